@@ -1,0 +1,33 @@
+# How this project builds its own tests, benchmarks and examples. A consumer never gets here.
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+if(NOT CMAKE_CXX_STANDARD)
+  set(CMAKE_CXX_STANDARD 17)
+endif()
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+
+option(SLAMGC_WERROR "Warnings are errors in slamgc's own programs" ON)
+set(SLAMGC_SANITIZE "" CACHE STRING "What -fsanitize= gets: address,undefined or thread")
+option(SLAMGC_COVERAGE "Count which lines run" OFF)
+
+# What all of our own programs link instead of slamgc::slamgc.
+add_library(slamgc_own INTERFACE)
+target_link_libraries(slamgc_own INTERFACE slamgc::slamgc)
+target_compile_options(slamgc_own INTERFACE -Wall -Wextra -Wshadow -Wconversion -Wpedantic)
+if(SLAMGC_WERROR)
+  target_compile_options(slamgc_own INTERFACE -Werror)
+endif()
+if(SLAMGC_SANITIZE)
+  set(sanitize -fsanitize=${SLAMGC_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_compile_options(slamgc_own INTERFACE ${sanitize})
+  target_link_options(slamgc_own INTERFACE ${sanitize})
+  target_sources(slamgc_own INTERFACE "${CMAKE_CURRENT_LIST_DIR}/sanitizer_options.cpp")
+endif()
+if(SLAMGC_COVERAGE)
+  # Plain counters would race.
+  target_compile_options(slamgc_own INTERFACE --coverage -fprofile-update=atomic)
+  target_link_options(slamgc_own INTERFACE --coverage)
+  include(cmake/coverage.cmake)
+endif()
