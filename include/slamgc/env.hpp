@@ -1,0 +1,60 @@
+/// @file
+/// The environment: everything atomic and everything per thread that slamgc uses.
+///
+/// Every header takes these from an `Env` parameter, which users never see. Another environment
+/// runs the same headers under a weak-memory model checker or under a scheduler that injects yields
+/// (tests/support). This is the only file that names `std::atomic`.
+#pragma once
+
+#include <atomic>
+#include <type_traits>
+
+#include "fwd.hpp"
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// The environment of ordinary programs.
+struct std_env {
+  /// Atomic variable.
+  template <class T>
+  using atomic = std::atomic<T>;
+
+  /// The calling thread's own record of type @p Record, made on first use and zero at first.
+  ///
+  /// Trivial types only: their storage stays valid while the thread's other thread-local objects
+  /// are destroyed.
+  template <class Record>
+  [[nodiscard]] static Record& thread_record() noexcept {
+    static_assert(std::is_trivially_destructible<Record>::value,
+                  "slamgc: a thread record must outlive every other thread-local object");
+    static thread_local Record record{};
+    return record;
+  }
+
+  /// Reads an element of a standard container: the instructions of a plain read.
+  template <class T>
+  [[nodiscard]] static T* read(T* const& element) noexcept {
+    // (11) memory_order_relaxed: readers hold the lock of the container, which orders them after the
+    // writer; a compiler keeps loops over acquire loads from being as short as plain ones.
+    return __atomic_load_n(&element, __ATOMIC_RELAXED);
+  }
+
+  /// Reads an element of a standard container that others may assign at the same time, without lock.
+  template <class T>
+  [[nodiscard]] static T* load(T* const& element) noexcept {
+    // (1) memory_order_acquire: sees the object that exchange (2) published.
+    return __atomic_load_n(&element, __ATOMIC_ACQUIRE);
+  }
+
+  /// Replaces an element of a standard container; each old pointer is handed to exactly one caller.
+  template <class T>
+  [[nodiscard]] static T* exchange(T*& element, T* desired) noexcept {
+    // (2) memory_order_acq_rel: publishes *desired to load (1) and to the next exchange, and sees
+    // what the exchange that stored the old pointer published.
+    return __atomic_exchange_n(&element, desired, __ATOMIC_ACQ_REL);
+  }
+};
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc

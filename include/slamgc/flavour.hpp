@@ -1,0 +1,23 @@
+/// @file
+/// The two flavours of slamgc: with checks of misuse and without.
+///
+/// `SLAMGC_DEBUG` chooses: 1 turns the checks on, 0 turns them off. Unless the program says
+/// otherwise they are on when `NDEBUG` is not defined, or when the program brings a `SLAMGC_ASSERT`
+/// of its own. Layout is the same in both. The functions are not, so each flavour lives in an inline
+/// namespace of its own, and a program that links both holds two sets of functions instead of a
+/// violation of the one-definition rule.
+#pragma once
+
+#ifndef SLAMGC_DEBUG
+#if !defined(NDEBUG) || defined(SLAMGC_ASSERT)
+#define SLAMGC_DEBUG 1
+#else
+#define SLAMGC_DEBUG 0
+#endif
+#endif
+
+#if SLAMGC_DEBUG
+#define SLAMGC_FLAVOUR checked
+#else
+#define SLAMGC_FLAVOUR unchecked
+#endif
