@@ -8,7 +8,7 @@
 // - With no more threads than processors, a window counts only if at least 80 % of it was measured by
 //   all threads at the same time, and none of them was preempted; others are repeated.
 //
-// Google Benchmark has no means for the last two.
+// Google Benchmark has no means for the last two; google_benchmark.cc runs the same under it.
 #pragma once
 
 #include <cstdint>

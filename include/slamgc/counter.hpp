@@ -229,11 +229,11 @@ struct transitions {
   /// Returns the count before.
   static std::uint32_t decrement(storage& s) noexcept {
     const std::uint32_t before = state_word{Policy::subtract(s, state_word::count_unit)}.count();
-    // One comparison for both rare cases: zero wraps to a huge number.
-    if (__builtin_expect(before - 1 >= state_word::sticky_count - 1, false)) {
+    // One comparison for all rare cases, the caller's included: 0 and 1 wrap to huge numbers.
+    if (__builtin_expect(before - 2 >= state_word::sticky_count - 2, false)) {
       if (before == 0)
         Policy::add(s, state_word::count_unit);
-      else
+      else if (before != 1)
         saturate(s);
     }
     return before;

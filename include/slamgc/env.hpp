@@ -32,14 +32,6 @@ struct std_env {
     return record;
   }
 
-  /// Reads an element of a standard container: the instructions of a plain read.
-  template <class T>
-  [[nodiscard]] static T* read(T* const& element) noexcept {
-    // (11) memory_order_relaxed: readers hold the lock of the container, which orders them after the
-    // writer; a compiler keeps loops over acquire loads from being as short as plain ones.
-    return __atomic_load_n(&element, __ATOMIC_RELAXED);
-  }
-
   /// Reads an element of a standard container that others may assign at the same time, without lock.
   template <class T>
   [[nodiscard]] static T* load(T* const& element) noexcept {

@@ -54,8 +54,9 @@ class rc_slot {
   /// Removes the reference.
   ~rc_slot() { detail::drop_reference(replace(nullptr)); }
 
-  /// Refers to @p p.
+  /// Refers to @p p. Costs a load if it does already: references that are set in every frame mostly do.
   rc_slot& operator=(T* p) noexcept {
+    if (get() == p) return *this;
     detail::add_reference(p);
     detail::drop_reference(replace(p));
     return *this;

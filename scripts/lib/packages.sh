@@ -13,9 +13,9 @@ packages_of() {
     docs) echo python3=python3 doxygen=doxygen '?clang-format-14' '?clang-tidy-14' '?shellcheck' ;;
     gcc-release)
       packages_of gtest
-      echo pkg-config=pkg-config libboost-dev=/usr/include/boost/version.hpp valgrind=valgrind '?relacy-dev'
+      echo pkg-config=pkg-config libboost-dev=/usr/include/boost/version.hpp valgrind=valgrind libbenchmark-dev '?relacy-dev'
       ;;
-    benchmark) echo python3=python3 libboost-dev valgrind=valgrind '?python3-matplotlib' ;;
+    benchmark) echo python3=python3 libboost-dev libbenchmark-dev valgrind=valgrind '?python3-matplotlib' ;;
     coverage)
       packages_of gtest
       echo gcovr=gcovr

@@ -164,10 +164,6 @@ struct relacy_env {
   // Elements of containers are plain pointers, in which relacy sees no order: a model keeps a container
   // under a mutex. Without it, relacy reports races that are none; it cannot miss one.
   template <class T>
-  static T* read(T* const& element) noexcept {
-    return element;
-  }
-  template <class T>
   static T* load(T* const& element) noexcept {
     return element;
   }

@@ -83,11 +83,6 @@ struct yield_env {
     return slamgc::std_env::thread_record<Record>();
   }
   template <class T>
-  static T* read(T* const& element) noexcept {
-    disturb();
-    return slamgc::std_env::read(element);
-  }
-  template <class T>
   static T* load(T* const& element) noexcept {
     disturb();
     return slamgc::std_env::load(element);

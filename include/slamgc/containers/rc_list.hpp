@@ -60,12 +60,9 @@ class rc_list
   ~rc_list() = default;
 
   /// Counts what comes before it uncounts what goes. Strong guarantee.
-  rc_list& operator=(const rc_list& other) { return *this = other.std_; }
+  rc_list& operator=(const rc_list& other) = default;
   /// Leaves @p other empty. O(size): each reference changes its place.
-  rc_list& operator=(rc_list&& other) noexcept(base::nothrow_move) {
-    this->assign_moved(other);
-    return *this;
-  }
+  rc_list& operator=(rc_list&& other) = default;
   /// Counts what comes before it uncounts what goes. Strong guarantee.
   rc_list& operator=(const std_list& content) {
     if (&content != &std_) this->assign_content(std_list(content, std_.get_allocator()));

@@ -23,8 +23,8 @@ inline namespace SLAMGC_FLAVOUR {
 /// reference that comes or goes; swap and move count each element. Strong guarantee: if an
 /// allocation throws, nothing has changed.
 ///
-/// Thread-safety: that of the standard vector; elements may moreover be assigned by several threads
-/// at once, while none changes the size.
+/// Thread-safety: that of the standard vector. Moreover several threads may assign elements, `v[i] = p`,
+/// and read them by `v[i].get()` at once, without a lock, while none changes the vector as a whole.
 template <class T, class... Options>
 class rc_vector
     : public detail::counted_container<T, std::vector<T*, Options...>, detail::element_itself,
@@ -228,7 +228,7 @@ class rc_vector
     const detail::counted_scope<T> until_final;
     for (size_type i = 0; i != common; ++i)
       if (std_[i] != content[i])
-        detail::drop_reference(detail::policy_of<T>::env::exchange(std_[i], content[i]));
+        detail::drop_reference(std::exchange(std_[i], content[i]));
     erase(std_.begin() + static_cast<std::ptrdiff_t>(content.size()), std_.end());
   }
 };

@@ -50,12 +50,9 @@ class counted_associative : public counted_container<T, Std, Reference, Iterator
   ~counted_associative() = default;
 
   /// Counts what comes before it uncounts what goes. Strong guarantee.
-  counted_associative& operator=(const counted_associative& other) { return *this = other.std_; }
+  counted_associative& operator=(const counted_associative& other) = default;
   /// Leaves @p other empty. O(size): each reference changes its place.
-  counted_associative& operator=(counted_associative&& other) noexcept(base::nothrow_move) {
-    this->assign_moved(other);
-    return *this;
-  }
+  counted_associative& operator=(counted_associative&& other) = default;
   /// Counts what comes before it uncounts what goes. Strong guarantee.
   counted_associative& operator=(const Std& content) {
     if (&content != &std_) this->assign_content(Std(content, std_.get_allocator()));

@@ -77,7 +77,9 @@ class counted_container {
 
   /// A scope that hands out the plain container to code that insists on `std::vector<T*>&`, and
   /// counts what that changed when it ends; see edit_scope. O(size), and one allocation at its begin.
-  [[nodiscard]] edit_scope<T, Std, Reference> edit() { return edit_scope<T, Std, Reference>(std_); }
+  [[nodiscard]] edit_scope<T, Std, Reference> edit() & {
+    return edit_scope<T, Std, Reference>(std_);
+  }
 
   /// Same elements.
   [[nodiscard]] friend bool operator==(const counted_container& a, const counted_container& b) {
@@ -112,6 +114,14 @@ class counted_container {
   counted_container(counted_container&& other) noexcept
       : std_((other.move_all(), std::move(other.std_))) {
     other.std_.clear();
+  }
+  counted_container& operator=(const counted_container& other) {
+    if (this != &other) assign_content(Std(other.std_, std_.get_allocator()));
+    return *this;
+  }
+  counted_container& operator=(counted_container&& other) noexcept(nothrow_move) {
+    assign_moved(other);
+    return *this;
   }
   ~counted_container() {
     if (std_.empty()) return;

@@ -24,8 +24,8 @@ class element_ref {
 
   /// The pointer, borrowed: for a reader that does not hold the lock of the container.
   [[nodiscard]] T* get() const noexcept { return policy_of<T>::env::load(element_); }
-  /// The pointer, borrowed: the instructions of a plain read.
-  [[nodiscard]] operator T*() const noexcept { return policy_of<T>::env::read(element_); }
+  /// The pointer, borrowed, under the lock of the container: a plain read.
+  [[nodiscard]] operator T*() const noexcept { return element_; }
   /// The object's members. Not for null.
   [[nodiscard]] T* operator->() const noexcept { return *this; }
   /// The object. Not for null.

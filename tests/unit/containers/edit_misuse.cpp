@@ -43,12 +43,12 @@ TYPED_TEST(EditMisuse, ASecondScopeIsReportedAndTheFirstCounts) {
 }
 
 TYPED_TEST(EditMisuse, NestedScopesOfDifferentContainersAreFine) {
-  TypeParam other = this->c;
+  TypeParam other = this->c, third;
   {
     const auto a = this->c.edit();
     const auto b = other.edit();
     a->swap(*b);
-    { const auto third = TypeParam().edit(); }
+    { const auto inner = third.edit(); }
   }
   { const auto again = this->c.edit(); }
   EXPECT_EQ(reports, 0);

@@ -195,6 +195,7 @@ SLAMGC_COMPILES(address_of_element, &c[0]);
 SLAMGC_COMPILES(mutable_iterator, static_cast<plain_vector::iterator>(c.begin()));
 SLAMGC_COMPILES(plain_reference, static_cast<plain_vector&>(c));
 SLAMGC_COMPILES(iterator_of_map, static_cast<std::map<long, point*>::iterator>(c.begin()));
+SLAMGC_COMPILES(edit_of_a_temporary, C().edit());
 #undef SLAMGC_COMPILES
 using list = slamgc::rc_list<point>;
 using value_map = slamgc::rc_value_map<long, point>;
@@ -209,6 +210,7 @@ static_assert(!compiles<vector, address_of_element>::value, "");
 static_assert(!compiles<vector, mutable_iterator>::value, "");
 static_assert(!compiles<vector, plain_reference>::value, "");
 static_assert(!compiles<list, write_through_front>::value, "");
+static_assert(!compiles<list, edit_of_a_temporary>::value, "");
 static_assert(!compiles<slamgc::rc_set<point>, write_through_iterator>::value, "");
 static_assert(!compiles<value_map, write_through_value>::value, "");
 static_assert(!compiles<value_map, iterator_of_map>::value, "");
