@@ -132,7 +132,8 @@ class counted_associative : public counted_container<T, Std, Reference, Iterator
   friend void swap(Derived& a, Derived& b) noexcept { a.swap(b); }
 
   /// As in Std: takes over the elements whose keys are not here. O(other.size()) counts: a reference
-  /// may change its place. (libstdc++ terminates if a comparison throws in here.)
+  /// may change its place. If a comparison throws in here, libstdc++ terminates, and before version
+  /// 12 also if a hash does.
   void merge(Derived& other) {
     counted_associative& from = other;
     if (this == &from) return;

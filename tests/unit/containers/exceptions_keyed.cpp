@@ -24,14 +24,17 @@ void fail_keyed_operations() {
   });
 }
 
-/// Hashed containers only: libstdc++ terminates when a comparison throws in the merge of ordered ones.
+/// Hashed containers only: libstdc++ terminates when a comparison throws in the merge of ordered ones,
+/// and before version 12 when a hash does in that of hashed ones.
 template <class C>
 void fail_merge() {
+#if !defined(_GLIBCXX_RELEASE) || _GLIBCXX_RELEASE >= 12
   fail_anywhere<C>("merge", basic, [](C& a, C& b, auto&) { a.merge(b); });
   fail_anywhere<C>("merge many", basic, [](C& a, C& b, auto& n) {
     for (std::size_t i = 5; i != 30; ++i) b.insert(element<C>(n[i]));
     a.merge(b);
   });
+#endif
 }
 
 template <class C>

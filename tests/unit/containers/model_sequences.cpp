@@ -142,8 +142,13 @@ void list_step(model<slamgc::rc_list<node>>& m) {
       return m.both([](auto& c) { c.unique(); });
     case 11:
       return m.both([&](auto& c) { c.remove(p); });
-    case 12:
-      return m.both([](auto& c) { c.remove_if([](node* e) { return !e || e->id % 3 == 0; }); });
+    case 12: {
+      // Chosen beforehand: the second list is changed when the objects may be gone.
+      std::set<node*> chosen{nullptr};
+      for (node* e : node::living())
+        if (e->id % 3 == 0) chosen.insert(e);
+      return m.both([&](auto& c) { c.remove_if([&](node* e) { return chosen.count(e) != 0; }); });
+    }
     default:
       return m.both_pairs([&](auto& x, auto& y) {
         x.sort(less);
