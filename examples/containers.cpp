@@ -10,9 +10,9 @@ struct MapPoint : slamgc::rc_object<MapPoint> {
 
 // Old code that insists on the plain container.
 void keep_even(std::vector<MapPoint*>& points) {
-  points.erase(std::remove_if(points.begin(), points.end(),
-                              [](MapPoint* p) { return p->id % 2 != 0; }),
-               points.end());
+  points.erase(
+      std::remove_if(points.begin(), points.end(), [](MapPoint* p) { return p->id % 2 != 0; }),
+      points.end());
 }
 
 int main() {
@@ -25,8 +25,8 @@ int main() {
   std::sort(snapshot.begin(), snapshot.end(), [](auto* a, auto* b) { return a->id > b->id; });
 
   // Changing: every element that comes or goes is counted.
-  points[3] = points[4];        // point 3 is destroyed
-  keep_even(points.edit());     // the odd ones are destroyed when the edit ends
+  points[3] = points[4];     // point 3 is destroyed
+  keep_even(points.edit());  // the odd ones are destroyed when the edit ends
   std::printf("\n%zu points are left\n", points.size());
 
   slamgc::rc_map<MapPoint, int> found;  // was: std::map<MapPoint*, int>

@@ -16,10 +16,10 @@ struct counting_policy : slamgc::fetch_add_counter {
   static inline int changes = 0;  // this program has one thread
 };
 
-struct Fast : slamgc::rc_object<Fast> {};                                // fetch_add_counter
-struct Loop : slamgc::rc_object<Loop, slamgc::cas_counter> {};           // as in the thesis, 4.4
-struct Locked : slamgc::rc_object<Locked, slamgc::mutex_counter> {};     // as in the thesis, 4.3
-struct Single : slamgc::rc_object<Single, slamgc::unsync_counter> {};    // one thread only
+struct Fast : slamgc::rc_object<Fast> {};                              // fetch_add_counter
+struct Loop : slamgc::rc_object<Loop, slamgc::cas_counter> {};         // as in the thesis, 4.4
+struct Locked : slamgc::rc_object<Locked, slamgc::mutex_counter> {};   // as in the thesis, 4.3
+struct Single : slamgc::rc_object<Single, slamgc::unsync_counter> {};  // one thread only
 struct Observed : slamgc::rc_object<Observed, counting_policy> {};
 
 int main() {

@@ -187,11 +187,14 @@ int main(int argc, char** argv) {
                  argv[0]);
     return 2;
   }
-  std::printf("A robot drives for %d minutes and inserts a keyframe every other second.\n"
-              "It keeps a map of 200 keyframes; the rest is culled.\n\n", minutes);
-  std::printf("         | raw pointers, as ORB-SLAM3    | the same members counted by slamgc\n"
-              " minute  | keyframes   points    memory  | keyframes   points    memory\n"
-              "---------+-------------------------------+-----------------------------------\n");
+  std::printf(
+      "A robot drives for %d minutes and inserts a keyframe every other second.\n"
+      "It keeps a map of 200 keyframes; the rest is culled.\n\n",
+      minutes);
+  std::printf(
+      "         | raw pointers, as ORB-SLAM3    | the same members counted by slamgc\n"
+      " minute  | keyframes   points    memory  | keyframes   points    memory\n"
+      "---------+-------------------------------+-----------------------------------\n");
 
   // The raw map is never freed: that is what it shows.
   auto* raw = new slam<raw_members>;

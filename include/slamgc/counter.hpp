@@ -32,9 +32,9 @@ inline namespace SLAMGC_FLAVOUR {
 struct state_word {
   std::uint64_t bits = 0;  ///< The word itself.
 
-  static constexpr std::uint64_t retired_flag = 1;                    ///< Declared dead.
-  static constexpr std::uint64_t queued_flag = 2;                     ///< A collector holds it.
-  static constexpr std::uint64_t count_unit = 4;                      ///< One reference.
+  static constexpr std::uint64_t retired_flag = 1;                       ///< Declared dead.
+  static constexpr std::uint64_t queued_flag = 2;                        ///< A collector holds it.
+  static constexpr std::uint64_t count_unit = 4;                         ///< One reference.
   static constexpr std::uint64_t version_unit = std::uint64_t{1} << 32;  ///< One change.
   static constexpr std::uint32_t sticky_count = std::uint32_t{1} << 29;  ///< The count sticks here.
 
@@ -124,7 +124,7 @@ struct basic_cas_counter {
     // (7) only a guess: the exchange below decides.
     std::uint64_t found = s.word.load(std::memory_order_relaxed);
     while (!s.word.compare_exchange_weak(found, found + delta,
-                                         std::memory_order_relaxed,    // (4)
+                                         std::memory_order_relaxed,     // (4)
                                          std::memory_order_relaxed)) {  // (7)
     }
     return found;
@@ -133,7 +133,7 @@ struct basic_cas_counter {
   static std::uint64_t subtract(storage& s, std::uint64_t delta) noexcept {
     std::uint64_t found = s.word.load(std::memory_order_relaxed);  // (7)
     while (!s.word.compare_exchange_weak(found, found - delta,
-                                         std::memory_order_acq_rel,    // (5)
+                                         std::memory_order_acq_rel,     // (5)
                                          std::memory_order_relaxed)) {  // (7)
     }
     return found;
@@ -200,9 +200,9 @@ struct has_word_operations<
                          std::uint64_t> &&
           std::is_same_v<decltype(P::add(std::declval<typename P::storage&>(), std::uint64_t{})),
                          std::uint64_t> &&
-          std::is_same_v<
-              decltype(P::subtract(std::declval<typename P::storage&>(), std::uint64_t{})),
-              std::uint64_t> &&
+          std::is_same_v<decltype(P::subtract(std::declval<typename P::storage&>(),
+                                              std::uint64_t{})),
+                         std::uint64_t> &&
           std::is_same_v<decltype(P::compare_exchange(std::declval<typename P::storage&>(),
                                                       std::declval<std::uint64_t&>(),
                                                       std::uint64_t{})),

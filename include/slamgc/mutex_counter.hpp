@@ -19,7 +19,7 @@ struct basic_mutex_counter {
   using env = Env;
   /// Holds the word and its mutex.
   struct storage {
-    mutable Mutex mutex;                      ///< Guards word.
+    mutable Mutex mutex;                               ///< Guards word.
     typename basic_unsync_counter<Env>::storage word;  ///< The word.
   };
   /// The word now.

@@ -36,10 +36,11 @@ class rc_object {
   static_assert(detail::has_storage<Policy>::value,
                 "slamgc: the counter policy needs the types `env` and `storage` (default "
                 "constructible); see basic_fetch_add_counter in slamgc/counter.hpp");
-  static_assert(!detail::has_storage<Policy>::value || detail::has_word_operations<Policy>::value,
-                "slamgc: the counter policy needs load, add, subtract (returning std::uint64_t) and "
-                "compare_exchange (returning bool); see basic_fetch_add_counter in "
-                "slamgc/counter.hpp");
+  static_assert(
+      !detail::has_storage<Policy>::value || detail::has_word_operations<Policy>::value,
+      "slamgc: the counter policy needs load, add, subtract (returning std::uint64_t) and "
+      "compare_exchange (returning bool); see basic_fetch_add_counter in "
+      "slamgc/counter.hpp");
 
  public:
   /// References to this object that are counted now; more than 2^29 mean that the count overflowed.
@@ -70,9 +71,8 @@ class rc_object {
   rc_object& operator=(const rc_object&) noexcept { return *this; }
   /// Checks that nobody refers to the object.
   ~rc_object() {
-    SLAMGC_ASSERT(use_count() == 0,
-                  (misuse{"destroys an object that is still referred to", detail::type_name<T>::get(),
-                          this, use_count()}));
+    SLAMGC_ASSERT(use_count() == 0, (misuse{"destroys an object that is still referred to",
+                                            detail::type_name<T>::get(), this, use_count()}));
   }
 
  private:

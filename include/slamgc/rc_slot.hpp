@@ -28,7 +28,8 @@ inline namespace SLAMGC_FLAVOUR {
 /// reference sets off.
 template <class T, class Env>
 class rc_slot {
-  static_assert(!std::is_pointer<T>::value, "slamgc: write rc_slot<KeyFrame>, not rc_slot<KeyFrame*>");
+  static_assert(!std::is_pointer<T>::value,
+                "slamgc: write rc_slot<KeyFrame>, not rc_slot<KeyFrame*>");
 
  public:
   /// What it points to.

@@ -25,8 +25,12 @@ struct pass_on : model_base<pass_on<Policy>, 2> {
   void change(unsigned way) {
     std::uint64_t expected = 10;
     switch (way) {
-      case 0: require(Policy::subtract(word, 1) == 10, "subtract returns the word before"); break;
-      case 1: require(Policy::compare_exchange(word, expected, 9), "it is 10"); break;
+      case 0:
+        require(Policy::subtract(word, 1) == 10, "subtract returns the word before");
+        break;
+      case 1:
+        require(Policy::compare_exchange(word, expected, 9), "it is 10");
+        break;
       default:  // an add in between changes nothing
         Policy::subtract(word, 2);
         require(Policy::add(word, 1) == 8, "add returns the word before");
@@ -36,8 +40,10 @@ struct pass_on : model_base<pass_on<Policy>, 2> {
   bool sees_change(unsigned way) {
     std::uint64_t expected = way == 1 ? 9 : 0;
     switch (way) {
-      case 0: return Policy::load(word) == 9;
-      case 1: return Policy::compare_exchange(word, expected, 7);
+      case 0:
+        return Policy::load(word) == 9;
+      case 1:
+        return Policy::compare_exchange(word, expected, 7);
       default:
         require(!Policy::compare_exchange(word, expected, 7), "compare_exchange compares");
         return expected == 9;
@@ -59,7 +65,8 @@ struct pass_on_to_subtract : model_base<pass_on_to_subtract<Policy>, 2> {
 };
 
 int main() {
-  return check_models<pass_on<relacy_fetch_add_counter>, pass_on_to_subtract<relacy_fetch_add_counter>,
-                      pass_on<relacy_cas_counter>, pass_on_to_subtract<relacy_cas_counter>,
-                      pass_on<relacy_mutex_counter>, pass_on_to_subtract<relacy_mutex_counter>>();
+  return check_models<pass_on<relacy_fetch_add_counter>,
+                      pass_on_to_subtract<relacy_fetch_add_counter>, pass_on<relacy_cas_counter>,
+                      pass_on_to_subtract<relacy_cas_counter>, pass_on<relacy_mutex_counter>,
+                      pass_on_to_subtract<relacy_mutex_counter>>();
 }

@@ -37,10 +37,18 @@ struct walk : model_base<walk, 2> {
   }
   void move_edge() {
     switch (current_case) {
-      case 0: b = std::move(a); break;
-      case 1: a.swap(b); break;
-      case 2: b.swap(a); break;
-      case 3: b = a.exchange(other.get()); break;
+      case 0:
+        b = std::move(a);
+        break;
+      case 1:
+        a.swap(b);
+        break;
+      case 2:
+        b.swap(a);
+        break;
+      case 3:
+        b = a.exchange(other.get());
+        break;
       case 4: {
         slot between(std::move(a));
         b = std::move(between);

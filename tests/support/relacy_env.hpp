@@ -117,12 +117,18 @@ struct relacy_env {
    private:
     static rl::memory_order relacy_order(std::memory_order order) noexcept {
       switch (order) {
-        case std::memory_order_relaxed: return rl::mo_relaxed;
-        case std::memory_order_consume: return rl::mo_consume;
-        case std::memory_order_acquire: return rl::mo_acquire;
-        case std::memory_order_release: return rl::mo_release;
-        case std::memory_order_acq_rel: return rl::mo_acq_rel;
-        default: return rl::mo_seq_cst;
+        case std::memory_order_relaxed:
+          return rl::mo_relaxed;
+        case std::memory_order_consume:
+          return rl::mo_consume;
+        case std::memory_order_acquire:
+          return rl::mo_acquire;
+        case std::memory_order_release:
+          return rl::mo_release;
+        case std::memory_order_acq_rel:
+          return rl::mo_acq_rel;
+        default:
+          return rl::mo_seq_cst;
       }
     }
     /// relacy knows no failure order that is stronger than the success order, C++17 does. An acquire
@@ -130,12 +136,12 @@ struct relacy_env {
     template <bool Weak>
     bool compare_exchange(T& expected, T desired, std::memory_order success,
                           std::memory_order failure, const rl::debug_info& here) noexcept {
-      const bool stronger = failure == std::memory_order_acquire &&
-                            (success == std::memory_order_relaxed ||
-                             success == std::memory_order_release);
-      const bool done = value_.compare_exchange(
-          rl::bool_t<Weak>(), expected, desired, relacy_order(success),
-          stronger ? rl::mo_relaxed : relacy_order(failure), here);
+      const bool stronger =
+          failure == std::memory_order_acquire &&
+          (success == std::memory_order_relaxed || success == std::memory_order_release);
+      const bool done =
+          value_.compare_exchange(rl::bool_t<Weak>(), expected, desired, relacy_order(success),
+                                  stronger ? rl::mo_relaxed : relacy_order(failure), here);
       if (!done && stronger) rl::atomic_thread_fence(rl::mo_acquire, here);
       return done;
     }

@@ -97,9 +97,9 @@ struct yield_env {
   static std::uint64_t choose_seed() {
     const char* const wish = std::getenv("SLAMGC_SEED");
     const std::uint64_t value =
-        wish != nullptr
-            ? std::strtoull(wish, nullptr, 0)
-            : static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch().count());
+        wish != nullptr ? std::strtoull(wish, nullptr, 0)
+                        : static_cast<std::uint64_t>(
+                              std::chrono::steady_clock::now().time_since_epoch().count());
     std::fprintf(stderr, "yield_env: SLAMGC_SEED=%llu\n", static_cast<unsigned long long>(value));
     return value;
   }

@@ -19,9 +19,8 @@ template <class T, class Mapped, class... Options>
 class rc_map : public detail::counted_key_map<
                    detail::counted_ordered<rc_map<T, Mapped, Options...>, T,
                                            std::map<T*, Mapped, Options...>, detail::element_key>> {
-  using base = detail::counted_key_map<
-      detail::counted_ordered<rc_map<T, Mapped, Options...>, T, std::map<T*, Mapped, Options...>,
-                              detail::element_key>>;
+  using base = detail::counted_key_map<detail::counted_ordered<
+      rc_map<T, Mapped, Options...>, T, std::map<T*, Mapped, Options...>, detail::element_key>>;
 
  public:
   using base::base;

@@ -14,9 +14,8 @@ inline namespace SLAMGC_FLAVOUR {
 ///
 /// Thread-safety: that of the standard set. See detail::counted_associative for costs and errors.
 template <class T, class... Options>
-class rc_set
-    : public detail::counted_ordered<rc_set<T, Options...>, T, std::set<T*, Options...>,
-                                     detail::element_itself> {
+class rc_set : public detail::counted_ordered<rc_set<T, Options...>, T, std::set<T*, Options...>,
+                                              detail::element_itself> {
   using base = detail::counted_ordered<rc_set<T, Options...>, T, std::set<T*, Options...>,
                                        detail::element_itself>;
 

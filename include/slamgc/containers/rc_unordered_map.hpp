@@ -15,12 +15,12 @@ inline namespace SLAMGC_FLAVOUR {
 /// Thread-safety: that of the standard map. See detail::counted_associative for costs and errors.
 template <class T, class Mapped, class... Options>
 class rc_unordered_map
-    : public detail::counted_key_map<detail::counted_hashed<
-          rc_unordered_map<T, Mapped, Options...>, T, std::unordered_map<T*, Mapped, Options...>,
-          detail::element_key>> {
-  using base = detail::counted_key_map<detail::counted_hashed<
-      rc_unordered_map<T, Mapped, Options...>, T, std::unordered_map<T*, Mapped, Options...>,
-      detail::element_key>>;
+    : public detail::counted_key_map<
+          detail::counted_hashed<rc_unordered_map<T, Mapped, Options...>, T,
+                                 std::unordered_map<T*, Mapped, Options...>, detail::element_key>> {
+  using base = detail::counted_key_map<
+      detail::counted_hashed<rc_unordered_map<T, Mapped, Options...>, T,
+                             std::unordered_map<T*, Mapped, Options...>, detail::element_key>>;
 
  public:
   using base::base;

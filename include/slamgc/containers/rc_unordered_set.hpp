@@ -17,9 +17,8 @@ template <class T, class... Options>
 class rc_unordered_set
     : public detail::counted_hashed<rc_unordered_set<T, Options...>, T,
                                     std::unordered_set<T*, Options...>, detail::element_itself> {
-  using base =
-      detail::counted_hashed<rc_unordered_set<T, Options...>, T,
-                             std::unordered_set<T*, Options...>, detail::element_itself>;
+  using base = detail::counted_hashed<rc_unordered_set<T, Options...>, T,
+                                      std::unordered_set<T*, Options...>, detail::element_itself>;
 
  public:
   using base::base;

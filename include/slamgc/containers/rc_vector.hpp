@@ -227,8 +227,7 @@ class rc_vector
     add_from(common, content.size() - common);
     const detail::counted_scope<T> until_final;
     for (size_type i = 0; i != common; ++i)
-      if (std_[i] != content[i])
-        detail::drop_reference(std::exchange(std_[i], content[i]));
+      if (std_[i] != content[i]) detail::drop_reference(std::exchange(std_[i], content[i]));
     erase(std_.begin() + static_cast<std::ptrdiff_t>(content.size()), std_.end());
   }
 };

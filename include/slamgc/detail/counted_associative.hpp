@@ -187,9 +187,9 @@ class counted_ordered : public counted_associative<Derived, T, Std, Reference, I
   using base = counted_associative<Derived, T, Std, Reference, Iterator>;
 
  public:
-  using key_compare = typename Std::key_compare;                          ///< As in Std.
-  using value_compare = typename Std::value_compare;                      ///< As in Std.
-  using const_reverse_iterator = typename Std::const_reverse_iterator;    ///< As in Std.
+  using key_compare = typename Std::key_compare;                        ///< As in Std.
+  using value_compare = typename Std::value_compare;                    ///< As in Std.
+  using const_reverse_iterator = typename Std::const_reverse_iterator;  ///< As in Std.
   using reverse_iterator =
       std::conditional_t<std::is_same<Iterator, typename Std::iterator>::value,
                          typename Std::reverse_iterator,

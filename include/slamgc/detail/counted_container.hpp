@@ -29,19 +29,20 @@ namespace detail {
 ///                   pointer, `Std::const_iterator` where it could.
 template <class T, class Std, class Reference, class Iterator = typename Std::iterator>
 class counted_container {
-  static_assert(!std::is_pointer<T>::value,
-                "slamgc: name the object, not the pointer: rc_vector<KeyFrame>, rc_map<KeyFrame, int>");
+  static_assert(
+      !std::is_pointer<T>::value,
+      "slamgc: name the object, not the pointer: rc_vector<KeyFrame>, rc_map<KeyFrame, int>");
 
  public:
-  using std_type = Std;                                                    ///< Container inside.
-  using value_type = typename Std::value_type;                             ///< As in Std.
-  using allocator_type = typename Std::allocator_type;                     ///< As in Std.
-  using size_type = typename Std::size_type;                               ///< As in Std.
-  using difference_type = typename Std::difference_type;                   ///< As in Std.
-  using const_reference = typename Std::const_reference;                   ///< As in Std.
-  using const_pointer = typename Std::const_pointer;                       ///< As in Std.
-  using iterator = Iterator;                                               ///< Cannot change a reference.
-  using const_iterator = typename Std::const_iterator;                     ///< As in Std.
+  using std_type = Std;                                   ///< Container inside.
+  using value_type = typename Std::value_type;            ///< As in Std.
+  using allocator_type = typename Std::allocator_type;    ///< As in Std.
+  using size_type = typename Std::size_type;              ///< As in Std.
+  using difference_type = typename Std::difference_type;  ///< As in Std.
+  using const_reference = typename Std::const_reference;  ///< As in Std.
+  using const_pointer = typename Std::const_pointer;      ///< As in Std.
+  using iterator = Iterator;                              ///< Cannot change a reference.
+  using const_iterator = typename Std::const_iterator;    ///< As in Std.
 
   /// Whether moving cannot throw. It can with allocators that may differ, also with those that a
   /// standard container would hand over: a counted container keeps its own.

@@ -102,8 +102,8 @@ class edit_scope {
 #endif
 
   Std& content_;
-  std::vector<T*, typename std::allocator_traits<
-                      typename Std::allocator_type>::template rebind_alloc<T*>>
+  std::vector<
+      T*, typename std::allocator_traits<typename Std::allocator_type>::template rebind_alloc<T*>>
       before_;
   open_edit scope_;
 };

@@ -117,8 +117,7 @@ void move_reference(T* p) noexcept {
 template <class T>
 void drop_reference(T* p) noexcept {
   using object = object_of<T>;
-  if (p != nullptr)
-    reclaimer_of<T>::release(const_cast<object*>(static_cast<const object*>(p)));
+  if (p != nullptr) reclaimer_of<T>::release(const_cast<object*>(static_cast<const object*>(p)));
 }
 
 }  // namespace detail

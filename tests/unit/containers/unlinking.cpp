@@ -65,11 +65,13 @@ class Unlinking : public ::testing::Test {
   template <class F>
   static void watch(const C& c, F change) {
     int uncounted = 0;
-    watched_counter::before_subtract() = [&](const watched_counter::storage& s, std::uint64_t delta) {
+    watched_counter::before_subtract() = [&](const watched_counter::storage& s,
+                                             std::uint64_t delta) {
       if (delta != slamgc::state_word::count_unit) return;
       ++uncounted;
       std::uint32_t linked = 0;
-      for (const auto& e : c) linked += &slamgc::detail::access::header_of(*pointer_in(e)).state == &s;
+      for (const auto& e : c)
+        linked += &slamgc::detail::access::header_of(*pointer_in(e)).state == &s;
       EXPECT_LT(linked, slamgc::state_word{s.word}.count());
     };
     change();
@@ -86,9 +88,10 @@ struct names {
     return name.substr(begin, name.find('<') - begin);
   }
 };
-using all = ::testing::Types<slamgc::rc_vector<node>, slamgc::rc_list<node>, slamgc::rc_set<node, by_id>,
-                             slamgc::rc_map<node, int, by_id>, slamgc::rc_unordered_set<node>,
-                             slamgc::rc_unordered_map<node, int>, slamgc::rc_value_map<int, node>>;
+using all =
+    ::testing::Types<slamgc::rc_vector<node>, slamgc::rc_list<node>, slamgc::rc_set<node, by_id>,
+                     slamgc::rc_map<node, int, by_id>, slamgc::rc_unordered_set<node>,
+                     slamgc::rc_unordered_map<node, int>, slamgc::rc_value_map<int, node>>;
 TYPED_TEST_SUITE(Unlinking, all, names);
 
 TYPED_TEST(Unlinking, ComesFirstWhenElementsAreErased) {
