@@ -24,6 +24,8 @@ void record(const Misuse& m) {
 #define SLAMGC_ASSERT(condition, found) ((condition) ? void() : ::record(found))
 
 #include <gtest/gtest.h>
+
+#include <optional>
 #include <slamgc/slamgc.hpp>
 
 #include <functional>
@@ -137,13 +139,10 @@ TEST_F(Assert, AnAssignmentInTheDestructorIsReported) {
 }
 
 TEST_F(Assert, DestroyingAReferencedObjectIsReported) {
-  intrusive_rc<misused_node> p;
-  const void* base = nullptr;
-  {
-    misused_node o;
-    base = base_of(&o);
-    p = &o;
-  }
+  std::optional<misused_node> o(std::in_place);
+  intrusive_rc<misused_node> p(&*o);
+  const void* const base = base_of(&*o);
+  o.reset();
   expect_report("destroys an object that is still referred to", base, 1);
   (void)p.detach();
 }
