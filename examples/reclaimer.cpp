@@ -9,7 +9,7 @@ struct Frame;
 struct recycle {
   template <class T>
   static void release(T* object) noexcept {
-    if (slamgc::uncount_reference(object)) pool().push_back(object);
+    if (slamgc::uncount_reference(object).count() == 1) pool().push_back(object);
   }
   template <class T>
   static void* first_link() noexcept {

@@ -56,7 +56,8 @@
 /// otherwise they are on when `NDEBUG` is not defined, or when the program brings a `SLAMGC_ASSERT`
 /// of its own. Layout is the same in both. The functions are not, so each flavour lives in an inline
 /// namespace of its own, and a program that links both holds two sets of functions instead of a
-/// violation of the one-definition rule.
+/// violation of the one-definition rule. A program that brings a `SLAMGC_ASSERT` brings it in every
+/// file of the checked flavour.
 
 #ifndef SLAMGC_DEBUG
 #if !defined(NDEBUG) || defined(SLAMGC_ASSERT)
@@ -490,17 +491,36 @@ struct transitions {
     Policy::subtract(s, std::uint64_t{0} - state_word::version_unit);
   }
 
-  /// Returns the count before.
-  static std::uint32_t decrement(storage& s) noexcept {
-    const std::uint32_t before = state_word{Policy::subtract(s, state_word::count_unit)}.count();
+  /// Returns the word before.
+  static state_word decrement(storage& s) noexcept {
+    const state_word before{Policy::subtract(s, state_word::count_unit)};
     // One comparison for all rare cases, the caller's included: 0 and 1 wrap to huge numbers.
-    if (__builtin_expect(before - 2 >= state_word::sticky_count - 2, false)) {
-      if (before == 0)
+    if (__builtin_expect(before.count() - 2 >= state_word::sticky_count - 2, false)) {
+      if (before.count() == 0)
         Policy::add(s, state_word::count_unit);
-      else if (before != 1)
+      else if (before.count() != 1)
         saturate(s);
     }
     return before;
+  }
+
+  /// Sets `queued`. False if it is set: somebody else has the object.
+  static bool enqueue(storage& s) noexcept {
+    std::uint64_t found = Policy::load(s);
+    do {
+      if (state_word{found}.is_queued()) return false;
+    } while (!Policy::compare_exchange(s, found, found | state_word::queued_flag));
+    return true;
+  }
+
+  /// Clears `queued` unless the count is zero; returns whether it was cleared. One change of the whole
+  /// word: a fall to zero after it finds `queued` clear, one before it is found.
+  static bool dequeue_if_referred_to(storage& s) noexcept {
+    std::uint64_t found = Policy::load(s);
+    do {
+      if (state_word{found}.count() == 0) return false;
+    } while (!Policy::compare_exchange(s, found, found & ~state_word::queued_flag));
+    return true;
   }
 
  private:
@@ -674,7 +694,6 @@ class edit_scope {
   /// allocates nor throws.
   ~edit_scope() {
     if (!check_out()) return;
-    const counted_scope<T> until_final;
     // Pair the references then and now by position: where a pair is equal nothing is to be done, and
     // any other pairing would give the same counts.
     std::size_t i = 0;
@@ -729,6 +748,9 @@ class edit_scope {
   static bool check_out() noexcept { return true; }
 #endif
 
+  // First, so that it ends last. Nothing is destroyed on this thread while it edits: what one scope
+  // takes out, another may put in.
+  const counted_scope<T> until_final_;
   Std& content_;
   std::vector<
       T*, typename std::allocator_traits<typename Std::allocator_type>::template rebind_alloc<T*>>
@@ -1977,16 +1999,16 @@ class rc_vector
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
-/// For reclaimers: uncounts a reference to @p object, and says whether it was the last one.
+/// For reclaimers: uncounts a reference to @p object and returns its state word as it was before.
 ///
 /// Wait-free under `fetch_add_counter`. Uncounting what was never counted is reported and undone.
 template <class T>
-[[nodiscard]] bool uncount_reference(T* object) noexcept {
-  const std::uint32_t before = detail::transitions<detail::policy_of<T>>::decrement(
+state_word uncount_reference(T* object) noexcept {
+  const state_word before = detail::transitions<detail::policy_of<T>>::decrement(
       detail::access::header_of(*object).state);
-  SLAMGC_ASSERT(before != 0,
+  SLAMGC_ASSERT(before.count() != 0,
                 (detail::misuse_of(object, "removes a reference that was never counted")));
-  return before == 1;
+  return before;
 }
 
 /// For reclaimers: runs the destructor and returns the memory, as `delete` does.
@@ -2023,8 +2045,8 @@ struct doomed_list_of : doomed_list {};
 ///
 /// Iterative: an object whose last reference goes while another is being destroyed waits in a list
 /// of the thread, so that a chain of a million objects needs no more stack than one. Destructors run
-/// on the thread that drops the last reference and under the locks it holds; the deferred collector
-/// is for programs that cannot have that.
+/// on the thread that drops the last reference and under the locks it holds; a collector that defers
+/// is for programs that cannot have that. An object that is referred to again while it waits stays.
 ///
 /// It is also the example of the concept. A reclaimer is a type with
 /// - `release(T*)`, static and `noexcept`: a reference to the object was unlinked. Uncounts it (with
@@ -2037,7 +2059,9 @@ struct reclaim_at_zero {
   /// Removes a reference; destroys the object if it was the last. Never allocates. Amortised O(1).
   template <class T>
   static void release(T* object) noexcept {
-    if (slamgc::uncount_reference(object)) destroy_later(object);
+    // Not touched any more if it is queued: the thread that has it may destroy it at once.
+    const state_word before = slamgc::uncount_reference(object);
+    if (before.count() == 1 && !before.is_queued()) destroy_later(object);
   }
 
   /// New objects are linked to nothing.
@@ -2070,8 +2094,13 @@ struct reclaim_at_zero {
 
  private:
   template <class T>
+  using word = detail::transitions<detail::policy_of<T>>;
+
+  template <class T>
   static void destroy_later(T* object) noexcept {
     using env = typename detail::policy_of<T>::env;
+    auto& header = detail::access::header_of(*object);
+    if (!word<T>::enqueue(header.state)) return;
     const scope<T> until_listed;
     auto& list = env::template thread_record<detail::doomed_list_of<T>>();
     if (list.first == nullptr) {
@@ -2081,20 +2110,22 @@ struct reclaim_at_zero {
       thread.lists = &list;
     }
     // (8) the list belongs to this thread.
-    detail::access::header_of(*object).link.store(list.first, std::memory_order_relaxed);
+    header.link.store(list.first, std::memory_order_relaxed);
     list.first = object;
   }
 
   template <class T>
   static void destroy_first(detail::doomed_list& list) noexcept {
     T* object = static_cast<T*>(list.first);
+    auto& header = detail::access::header_of(*object);
     // (8) the list belongs to this thread.
-    list.first = detail::access::header_of(*object).link.load(std::memory_order_relaxed);
+    list.first = header.link.load(std::memory_order_relaxed);
     if (list.first == nullptr) {  // this list is the thread's first, see ~scope
       using env = typename detail::policy_of<T>::env;
       env::template thread_record<detail::doomed_record>().lists = list.next;
     }
-    slamgc::destroy_object(object);
+    // A destructor that ran meanwhile may have referred to the object again.
+    if (!word<T>::dequeue_if_referred_to(header.state)) slamgc::destroy_object(object);
   }
 };
 
@@ -2223,6 +2254,9 @@ class intrusive_rc {
   /// Takes over the reference of @p other, as its base or as const.
   template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
   intrusive_rc(intrusive_rc<U>&& other) noexcept : p_(other.detach()) {}
+  /// A reference to what a slot refers to.
+  template <class U, class Env, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  intrusive_rc(const rc_slot<U, Env>& slot) noexcept : intrusive_rc(slot.get()) {}
   /// Gives its reference up.
   ~intrusive_rc() { detail::drop_reference(p_); }
 
@@ -2563,6 +2597,27 @@ class rc_slot {
 
   typename Env::template atomic<T*> p_{nullptr};
 };
+
+/// Whether both point to the same object.
+template <class T, class Env, class U>
+[[nodiscard]] bool operator==(const rc_slot<T, Env>& a, const intrusive_rc<U>& b) noexcept {
+  return a.get() == b.get();
+}
+/// Whether both point to the same object.
+template <class T, class U, class Env>
+[[nodiscard]] bool operator==(const intrusive_rc<T>& a, const rc_slot<U, Env>& b) noexcept {
+  return a.get() == b.get();
+}
+/// Whether they point to different objects.
+template <class T, class Env, class U>
+[[nodiscard]] bool operator!=(const rc_slot<T, Env>& a, const intrusive_rc<U>& b) noexcept {
+  return a.get() != b.get();
+}
+/// Whether they point to different objects.
+template <class T, class U, class Env>
+[[nodiscard]] bool operator!=(const intrusive_rc<T>& a, const rc_slot<U, Env>& b) noexcept {
+  return a.get() != b.get();
+}
 
 /// Exchanges the references of two slots.
 template <class T, class Env>

@@ -226,17 +226,36 @@ struct transitions {
     Policy::subtract(s, std::uint64_t{0} - state_word::version_unit);
   }
 
-  /// Returns the count before.
-  static std::uint32_t decrement(storage& s) noexcept {
-    const std::uint32_t before = state_word{Policy::subtract(s, state_word::count_unit)}.count();
+  /// Returns the word before.
+  static state_word decrement(storage& s) noexcept {
+    const state_word before{Policy::subtract(s, state_word::count_unit)};
     // One comparison for all rare cases, the caller's included: 0 and 1 wrap to huge numbers.
-    if (__builtin_expect(before - 2 >= state_word::sticky_count - 2, false)) {
-      if (before == 0)
+    if (__builtin_expect(before.count() - 2 >= state_word::sticky_count - 2, false)) {
+      if (before.count() == 0)
         Policy::add(s, state_word::count_unit);
-      else if (before != 1)
+      else if (before.count() != 1)
         saturate(s);
     }
     return before;
+  }
+
+  /// Sets `queued`. False if it is set: somebody else has the object.
+  static bool enqueue(storage& s) noexcept {
+    std::uint64_t found = Policy::load(s);
+    do {
+      if (state_word{found}.is_queued()) return false;
+    } while (!Policy::compare_exchange(s, found, found | state_word::queued_flag));
+    return true;
+  }
+
+  /// Clears `queued` unless the count is zero; returns whether it was cleared. One change of the whole
+  /// word: a fall to zero after it finds `queued` clear, one before it is found.
+  static bool dequeue_if_referred_to(storage& s) noexcept {
+    std::uint64_t found = Policy::load(s);
+    do {
+      if (state_word{found}.count() == 0) return false;
+    } while (!Policy::compare_exchange(s, found, found & ~state_word::queued_flag));
+    return true;
   }
 
  private:

@@ -5,7 +5,8 @@
 /// otherwise they are on when `NDEBUG` is not defined, or when the program brings a `SLAMGC_ASSERT`
 /// of its own. Layout is the same in both. The functions are not, so each flavour lives in an inline
 /// namespace of its own, and a program that links both holds two sets of functions instead of a
-/// violation of the one-definition rule.
+/// violation of the one-definition rule. A program that brings a `SLAMGC_ASSERT` brings it in every
+/// file of the checked flavour.
 #pragma once
 
 #ifndef SLAMGC_DEBUG

@@ -63,6 +63,9 @@ class intrusive_rc {
   /// Takes over the reference of @p other, as its base or as const.
   template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
   intrusive_rc(intrusive_rc<U>&& other) noexcept : p_(other.detach()) {}
+  /// A reference to what a slot refers to.
+  template <class U, class Env, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  intrusive_rc(const rc_slot<U, Env>& slot) noexcept : intrusive_rc(slot.get()) {}
   /// Gives its reference up.
   ~intrusive_rc() { detail::drop_reference(p_); }
 

@@ -124,6 +124,27 @@ class rc_slot {
   typename Env::template atomic<T*> p_{nullptr};
 };
 
+/// Whether both point to the same object.
+template <class T, class Env, class U>
+[[nodiscard]] bool operator==(const rc_slot<T, Env>& a, const intrusive_rc<U>& b) noexcept {
+  return a.get() == b.get();
+}
+/// Whether both point to the same object.
+template <class T, class U, class Env>
+[[nodiscard]] bool operator==(const intrusive_rc<T>& a, const rc_slot<U, Env>& b) noexcept {
+  return a.get() == b.get();
+}
+/// Whether they point to different objects.
+template <class T, class Env, class U>
+[[nodiscard]] bool operator!=(const rc_slot<T, Env>& a, const intrusive_rc<U>& b) noexcept {
+  return a.get() != b.get();
+}
+/// Whether they point to different objects.
+template <class T, class U, class Env>
+[[nodiscard]] bool operator!=(const intrusive_rc<T>& a, const rc_slot<U, Env>& b) noexcept {
+  return a.get() != b.get();
+}
+
 /// Exchanges the references of two slots.
 template <class T, class Env>
 void swap(rc_slot<T, Env>& a, rc_slot<T, Env>& b) noexcept {

@@ -11,16 +11,16 @@
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
-/// For reclaimers: uncounts a reference to @p object, and says whether it was the last one.
+/// For reclaimers: uncounts a reference to @p object and returns its state word as it was before.
 ///
 /// Wait-free under `fetch_add_counter`. Uncounting what was never counted is reported and undone.
 template <class T>
-[[nodiscard]] bool uncount_reference(T* object) noexcept {
-  const std::uint32_t before = detail::transitions<detail::policy_of<T>>::decrement(
+state_word uncount_reference(T* object) noexcept {
+  const state_word before = detail::transitions<detail::policy_of<T>>::decrement(
       detail::access::header_of(*object).state);
-  SLAMGC_ASSERT(before != 0,
+  SLAMGC_ASSERT(before.count() != 0,
                 (detail::misuse_of(object, "removes a reference that was never counted")));
-  return before == 1;
+  return before;
 }
 
 /// For reclaimers: runs the destructor and returns the memory, as `delete` does.
@@ -57,8 +57,8 @@ struct doomed_list_of : doomed_list {};
 ///
 /// Iterative: an object whose last reference goes while another is being destroyed waits in a list
 /// of the thread, so that a chain of a million objects needs no more stack than one. Destructors run
-/// on the thread that drops the last reference and under the locks it holds; the deferred collector
-/// is for programs that cannot have that.
+/// on the thread that drops the last reference and under the locks it holds; a collector that defers
+/// is for programs that cannot have that. An object that is referred to again while it waits stays.
 ///
 /// It is also the example of the concept. A reclaimer is a type with
 /// - `release(T*)`, static and `noexcept`: a reference to the object was unlinked. Uncounts it (with
@@ -71,7 +71,9 @@ struct reclaim_at_zero {
   /// Removes a reference; destroys the object if it was the last. Never allocates. Amortised O(1).
   template <class T>
   static void release(T* object) noexcept {
-    if (slamgc::uncount_reference(object)) destroy_later(object);
+    // Not touched any more if it is queued: the thread that has it may destroy it at once.
+    const state_word before = slamgc::uncount_reference(object);
+    if (before.count() == 1 && !before.is_queued()) destroy_later(object);
   }
 
   /// New objects are linked to nothing.
@@ -104,8 +106,13 @@ struct reclaim_at_zero {
 
  private:
   template <class T>
+  using word = detail::transitions<detail::policy_of<T>>;
+
+  template <class T>
   static void destroy_later(T* object) noexcept {
     using env = typename detail::policy_of<T>::env;
+    auto& header = detail::access::header_of(*object);
+    if (!word<T>::enqueue(header.state)) return;
     const scope<T> until_listed;
     auto& list = env::template thread_record<detail::doomed_list_of<T>>();
     if (list.first == nullptr) {
@@ -115,20 +122,22 @@ struct reclaim_at_zero {
       thread.lists = &list;
     }
     // (8) the list belongs to this thread.
-    detail::access::header_of(*object).link.store(list.first, std::memory_order_relaxed);
+    header.link.store(list.first, std::memory_order_relaxed);
     list.first = object;
   }
 
   template <class T>
   static void destroy_first(detail::doomed_list& list) noexcept {
     T* object = static_cast<T*>(list.first);
+    auto& header = detail::access::header_of(*object);
     // (8) the list belongs to this thread.
-    list.first = detail::access::header_of(*object).link.load(std::memory_order_relaxed);
+    list.first = header.link.load(std::memory_order_relaxed);
     if (list.first == nullptr) {  // this list is the thread's first, see ~scope
       using env = typename detail::policy_of<T>::env;
       env::template thread_record<detail::doomed_record>().lists = list.next;
     }
-    slamgc::destroy_object(object);
+    // A destructor that ran meanwhile may have referred to the object again.
+    if (!word<T>::dequeue_if_referred_to(header.state)) slamgc::destroy_object(object);
   }
 };
 

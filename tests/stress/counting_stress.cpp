@@ -131,7 +131,7 @@ TYPED_TEST(CountingStress, RacingUnderflowsAreAllUndone) {
   std::atomic<int> undone{0};
   in_threads(threads, [&](int) {
     for (int k = 0; k != rounds(); ++k)
-      if (transitions::decrement(storage) == 0) ++undone;
+      if (transitions::decrement(storage).count() == 0) ++undone;
   });
   EXPECT_GT(undone.load(), 0);
   EXPECT_EQ(transitions::load(storage).bits & 3, 3u);

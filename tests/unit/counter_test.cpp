@@ -41,7 +41,7 @@ class Counter : public ::testing::Test {
     set_word<Policy>(storage_, word_of(version, count, flags));
   }
   void increment() { transitions::increment(storage_); }
-  std::uint32_t decrement() { return transitions::decrement(storage_); }
+  std::uint32_t decrement() { return transitions::decrement(storage_).count(); }
   void move() { transitions::move(storage_); }
 
   typename Policy::storage storage_;

@@ -46,7 +46,6 @@ class edit_scope {
   /// allocates nor throws.
   ~edit_scope() {
     if (!check_out()) return;
-    const counted_scope<T> until_final;
     // Pair the references then and now by position: where a pair is equal nothing is to be done, and
     // any other pairing would give the same counts.
     std::size_t i = 0;
@@ -101,6 +100,9 @@ class edit_scope {
   static bool check_out() noexcept { return true; }
 #endif
 
+  // First, so that it ends last. Nothing is destroyed on this thread while it edits: what one scope
+  // takes out, another may put in.
+  const counted_scope<T> until_final_;
   Std& content_;
   std::vector<
       T*, typename std::allocator_traits<typename Std::allocator_type>::template rebind_alloc<T*>>
