@@ -17,7 +17,7 @@ struct MapPoint : slamgc::rc_object<MapPoint> {
 
 int main() {
   slamgc::rc_set<KeyFrame> mspKeyFrames;  // was: std::set<KeyFrame*>
-  KeyFrame* pKF = new KeyFrame;           // everything below is as it was
+  KeyFrame* pKF = new KeyFrame;           // from here on as it was
   MapPoint* pMP = new MapPoint;
   mspKeyFrames.insert(pKF);
   pKF->mvpMapPoints.push_back(pMP);

@@ -55,8 +55,9 @@
 /// `SLAMGC_DEBUG` chooses: 1 turns the checks on, 0 turns them off. Unless the program says
 /// otherwise they are on when `NDEBUG` is not defined, or when the program brings a `SLAMGC_ASSERT`
 /// of its own. Layout is the same in both. The functions are not, so each flavour lives in an inline
-/// namespace of its own, and a program that links both holds two sets of functions instead of a
-/// violation of the one-definition rule. A program that brings a `SLAMGC_ASSERT` brings it in every
+/// namespace of its own, and a program that links both holds two sets of slamgc's functions. (A class
+/// of the program's own that two files see in two flavours is still two definitions of one class: they
+/// agree in layout, which is what programs rely on, and not to the letter of the one-definition rule.) A program that brings a `SLAMGC_ASSERT` brings it in every
 /// file of the checked flavour.
 
 #ifndef SLAMGC_DEBUG
@@ -606,9 +607,12 @@ struct access {
 };
 
 template <class T>
+std::uint32_t count_of(const T* p) noexcept {
+  return transitions<policy_of<T>>::load(access::header_of(*p).state).count();
+}
+template <class T>
 misuse misuse_of(const T* p, const char* what) noexcept {
-  return {what, type_name<object_of<T>>::get(), p,
-          transitions<policy_of<T>>::load(access::header_of(*p).state).count()};
+  return {what, type_name<object_of<T>>::get(), p, detail::count_of(p)};
 }
 
 /// The link of an object whose destructor runs points to its own header.
@@ -715,11 +719,15 @@ class edit_scope {
   edit_scope& operator=(const edit_scope&) = delete;
 
   /// The plain container, valid until the scope ends.
-  [[nodiscard]] Std& get() const noexcept { return content_; }
+  [[nodiscard]] Std& get() const& noexcept { return content_; }
+  /// Refused: a reference that is kept would outlive the scope. Name the scope.
+  Std& get() const&& = delete;
   /// The plain container, valid until the scope ends.
   [[nodiscard]] operator Std&() const noexcept { return content_; }
   /// The plain container, valid until the scope ends.
-  [[nodiscard]] Std& operator*() const noexcept { return content_; }
+  [[nodiscard]] Std& operator*() const& noexcept { return content_; }
+  /// Refused: a reference that is kept would outlive the scope. Name the scope.
+  Std& operator*() const&& = delete;
   /// The plain container, valid until the scope ends.
   [[nodiscard]] Std* operator->() const noexcept { return &content_; }
 
@@ -740,7 +748,9 @@ class edit_scope {
   }
   /// Returns whether this scope has to count.
   bool check_out() noexcept {
-    open().innermost = scope_.outer;
+    open_edit** link = &open().innermost;
+    while (*link != &scope_ && *link != nullptr) link = &(*link)->outer;
+    if (*link != nullptr) *link = scope_.outer;
     return scope_.container != nullptr;
   }
 #else
@@ -765,6 +775,12 @@ class edit_scope {
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 namespace detail {
+
+template <class Std, class = void>
+struct ends_with_pop_back : std::false_type {};
+template <class Std>
+struct ends_with_pop_back<Std, std::void_t<decltype(std::declval<Std&>().pop_back())>>
+    : std::true_type {};
 
 /// A standard container of raw pointers whose references are counted.
 ///
@@ -875,22 +891,15 @@ class counted_container {
     assign_moved(other);
     return *this;
   }
-  ~counted_container() {
-    if (std_.empty()) return;
-    const counted_scope<T> until_final;
-    const Std old(std::move(std_));
-    std_.clear();
-    drop_all(old);
-  }
+  ~counted_container() { clear_content(); }
 
   /// The references of @p content replace those of this container, which keeps its allocator.
   void assign_content(Std&& content) {
     const counted_scope<T> until_final;
     Std next(std::move(content), std_.get_allocator());
-    add_all(next);
-    const Std old(std::move(std_));
-    std_ = std::move(next);
-    drop_all(old);
+    std_.swap(next);
+    add_all();
+    drop_all(next);
   }
   /// Moves the references of @p other here; it becomes empty.
   void assign_moved(counted_container& other) {
@@ -899,9 +908,8 @@ class counted_container {
     other.move_all();
     Std next(std::move(other.std_), std_.get_allocator());
     other.std_.clear();
-    const Std old(std::move(std_));
-    std_ = std::move(next);
-    drop_all(old);
+    std_.swap(next);
+    drop_all(next);
   }
   /// Exchanges the references of two containers: O(size), as each of them changes its place.
   void swap_content(counted_container& other) noexcept {
@@ -910,15 +918,22 @@ class counted_container {
     other.move_all();
     std_.swap(other.std_);
   }
-  /// Removes all references and keeps the capacity.
+  /// Removes all references and keeps the capacity. One by one, since moving the whole away would copy
+  /// a comparator, which may throw.
   void clear_content() noexcept {
     if (std_.empty()) return;
     const counted_scope<T> until_final;
-    Std old(std::move(std_));
-    std_.clear();
-    drop_all(old);
-    old.clear();
-    std_.swap(old);
+    do {
+      T* gone;
+      if constexpr (ends_with_pop_back<Std>::value) {
+        gone = reference_of(std_.back());
+        std_.pop_back();
+      } else {
+        gone = reference_of(*std_.begin());
+        std_.erase(std_.begin());
+      }
+      detail::drop_reference(gone);
+    } while (!std_.empty());
   }
 
   static T* reference_of(const value_type& value) noexcept { return Reference()(value); }
@@ -1058,6 +1073,10 @@ class rc_list
   [[nodiscard]] const_reverse_iterator rbegin() const noexcept { return std_.rbegin(); }
   /// As in Std.
   [[nodiscard]] const_reverse_iterator rend() const noexcept { return std_.rend(); }
+  /// As in Std.
+  [[nodiscard]] const_reverse_iterator crbegin() const noexcept { return std_.rbegin(); }
+  /// As in Std.
+  [[nodiscard]] const_reverse_iterator crend() const noexcept { return std_.rend(); }
 
   /// The element at @p at refers to @p p: what `*at = p` is in the standard list.
   void replace(iterator at, T* p) noexcept {
@@ -1771,7 +1790,7 @@ inline namespace SLAMGC_FLAVOUR {
 /// allocation throws, nothing has changed.
 ///
 /// Thread-safety: that of the standard vector. Moreover several threads may assign elements, `v[i] = p`,
-/// and read them by `v[i].get()` at once, without a lock, while none changes the vector as a whole.
+/// and read them by `v.load(i)` at once, without a lock, while none changes the vector as a whole.
 template <class T, class... Options>
 class rc_vector
     : public detail::counted_container<T, std::vector<T*, Options...>, detail::element_itself,
@@ -1849,6 +1868,10 @@ class rc_vector
   [[nodiscard]] reference operator[](size_type i) noexcept { return reference(std_[i]); }
   /// The element.
   [[nodiscard]] const_reference operator[](size_type i) const noexcept { return std_[i]; }
+  /// The element, for a reader that does not hold the lock under which others assign elements.
+  [[nodiscard]] T* load(size_type i) const noexcept {
+    return detail::policy_of<T>::env::load(std_[i]);
+  }
   /// The element, to read or to assign. Throws std::out_of_range.
   [[nodiscard]] reference at(size_type i) { return reference(std_.at(i)); }
   /// The element. Throws std::out_of_range.
@@ -1867,6 +1890,10 @@ class rc_vector
   [[nodiscard]] const_reverse_iterator rbegin() const noexcept { return std_.rbegin(); }
   /// As in Std.
   [[nodiscard]] const_reverse_iterator rend() const noexcept { return std_.rend(); }
+  /// As in Std.
+  [[nodiscard]] const_reverse_iterator crbegin() const noexcept { return std_.rbegin(); }
+  /// As in Std.
+  [[nodiscard]] const_reverse_iterator crend() const noexcept { return std_.rend(); }
 
   /// As in Std.
   [[nodiscard]] size_type capacity() const noexcept { return std_.capacity(); }
@@ -2236,11 +2263,12 @@ class intrusive_rc {
   constexpr intrusive_rc(Null) noexcept {}
   /// Refers to @p p; takes over a reference that is already counted if @p add_ref is false.
   intrusive_rc(T* p, bool add_ref = true) noexcept : p_(p) {
-    if (add_ref)
+    if (add_ref) {
       detail::add_reference(p_);
-    else
-      SLAMGC_ASSERT(p_ == nullptr || (p_->use_count() != 0 && !detail::is_dying(p_)),
+    } else {
+      SLAMGC_ASSERT(p_ == nullptr || (detail::count_of(p_) != 0 && !detail::is_dying(p_)),
                     (detail::misuse_of(p_, "adopts a reference that nobody counted")));
+    }
   }
   /// Another reference to the same object.
   intrusive_rc(const intrusive_rc& other) noexcept : p_(other.p_) { detail::add_reference(p_); }
@@ -2288,6 +2316,13 @@ class intrusive_rc {
     return *this;
   }
 
+  /// Refers to what @p slot refers to.
+  template <class U, class Env, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  intrusive_rc& operator=(const rc_slot<U, Env>& slot) noexcept {
+    intrusive_rc(slot.get()).swap(*this);
+    return *this;
+  }
+
   /// Takes over a reference that detach() gave up and is still counted.
   [[nodiscard]] static intrusive_rc adopt(T* p) noexcept { return intrusive_rc(p, false); }
 
@@ -2299,7 +2334,7 @@ class intrusive_rc {
   /// The pointer.
   [[nodiscard]] constexpr T* get() const noexcept { return p_; }
   /// Becomes null and leaves its reference counted: the caller owns it now.
-  [[nodiscard]] T* detach() noexcept { return std::exchange(p_, nullptr); }
+  T* detach() noexcept { return std::exchange(p_, nullptr); }
   /// The object. Not for a null pointer.
   [[nodiscard]] constexpr T& operator*() const noexcept { return *p_; }
   /// The object's members. Not for a null pointer.
@@ -2492,8 +2527,8 @@ inline namespace SLAMGC_FLAVOUR {
 /// `slamgc::rc_slot<KeyFrame> mpParent;`, and the code that uses it stays.
 ///
 /// Reading is a load and gives a borrowed pointer, exactly as a raw member does. Assignment is an
-/// atomic exchange: several threads may assign one slot without a lock, and each old pointer is
-/// released once. It is as large as a pointer; `T` may be incomplete where the member is declared.
+/// atomic exchange, unless the pointer is there already: several threads may assign one slot without a
+/// lock, and each old pointer is released once. It is as large as a pointer; `T` may be incomplete where the member is declared.
 ///
 /// Thread-safety: any thread may read or assign at any time. A pointer that was *read* is safe to use
 /// or to count only while something else keeps the object: a lock under which all writers assign, a

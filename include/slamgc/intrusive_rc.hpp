@@ -45,11 +45,12 @@ class intrusive_rc {
   constexpr intrusive_rc(Null) noexcept {}
   /// Refers to @p p; takes over a reference that is already counted if @p add_ref is false.
   intrusive_rc(T* p, bool add_ref = true) noexcept : p_(p) {
-    if (add_ref)
+    if (add_ref) {
       detail::add_reference(p_);
-    else
-      SLAMGC_ASSERT(p_ == nullptr || (p_->use_count() != 0 && !detail::is_dying(p_)),
+    } else {
+      SLAMGC_ASSERT(p_ == nullptr || (detail::count_of(p_) != 0 && !detail::is_dying(p_)),
                     (detail::misuse_of(p_, "adopts a reference that nobody counted")));
+    }
   }
   /// Another reference to the same object.
   intrusive_rc(const intrusive_rc& other) noexcept : p_(other.p_) { detail::add_reference(p_); }
@@ -97,6 +98,13 @@ class intrusive_rc {
     return *this;
   }
 
+  /// Refers to what @p slot refers to.
+  template <class U, class Env, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  intrusive_rc& operator=(const rc_slot<U, Env>& slot) noexcept {
+    intrusive_rc(slot.get()).swap(*this);
+    return *this;
+  }
+
   /// Takes over a reference that detach() gave up and is still counted.
   [[nodiscard]] static intrusive_rc adopt(T* p) noexcept { return intrusive_rc(p, false); }
 
@@ -108,7 +116,7 @@ class intrusive_rc {
   /// The pointer.
   [[nodiscard]] constexpr T* get() const noexcept { return p_; }
   /// Becomes null and leaves its reference counted: the caller owns it now.
-  [[nodiscard]] T* detach() noexcept { return std::exchange(p_, nullptr); }
+  T* detach() noexcept { return std::exchange(p_, nullptr); }
   /// The object. Not for a null pointer.
   [[nodiscard]] constexpr T& operator*() const noexcept { return *p_; }
   /// The object's members. Not for a null pointer.

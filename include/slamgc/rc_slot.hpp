@@ -18,8 +18,8 @@ inline namespace SLAMGC_FLAVOUR {
 /// `slamgc::rc_slot<KeyFrame> mpParent;`, and the code that uses it stays.
 ///
 /// Reading is a load and gives a borrowed pointer, exactly as a raw member does. Assignment is an
-/// atomic exchange: several threads may assign one slot without a lock, and each old pointer is
-/// released once. It is as large as a pointer; `T` may be incomplete where the member is declared.
+/// atomic exchange, unless the pointer is there already: several threads may assign one slot without a
+/// lock, and each old pointer is released once. It is as large as a pointer; `T` may be incomplete where the member is declared.
 ///
 /// Thread-safety: any thread may read or assign at any time. A pointer that was *read* is safe to use
 /// or to count only while something else keeps the object: a lock under which all writers assign, a

@@ -27,9 +27,8 @@ TEST(ReclaimAgain, AnObjectThatIsReferredToWhileItWaitsStays) {
   rc_slot<item> rescued;
   {
     rc_vector<item> both{new item, new item};
-    // The last of the list is destroyed first, while the other waits.
-    both[1]->when_destroyed = [&rescued, other = both[0].get()](item*) { rescued = other; };
-    both.clear();
+    both[0]->when_destroyed = [&rescued, other = both[1].get()](item*) { rescued = other; };
+    both.clear();  // counts the last down first, and destroys in the other order
     EXPECT_EQ(item::alive, 1);
   }
   EXPECT_EQ(rescued->use_count(), 1U);
@@ -39,7 +38,7 @@ TEST(ReclaimAgain, AnObjectThatIsReferredToWhileItWaitsStays) {
 
 TEST(ReclaimAgain, AnObjectThatIsDroppedTwiceWhileItWaitsIsDestroyedOnce) {
   rc_vector<item> both{new item, new item};
-  both[1]->when_destroyed = [other = both[0].get()](item*) {
+  both[0]->when_destroyed = [other = both[1].get()](item*) {
     intrusive_rc<item>(other).reset();
     intrusive_rc<item>(other).reset();
   };
@@ -77,6 +76,12 @@ TEST(ReclaimAgain, SlotsAndPointersCompareAndConvert) {
   EXPECT_TRUE(p == slot);
   EXPECT_FALSE(slot != p);
   EXPECT_FALSE(p != slot);
+  intrusive_rc<item> assigned;
+  assigned = slot;
+  EXPECT_EQ(assigned->use_count(), 3U);
+  intrusive_rc<const item> as_const;
+  as_const = slot;
+  EXPECT_EQ(as_const->use_count(), 4U);
 }
 
 }  // namespace

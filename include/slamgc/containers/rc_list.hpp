@@ -99,6 +99,10 @@ class rc_list
   [[nodiscard]] const_reverse_iterator rbegin() const noexcept { return std_.rbegin(); }
   /// As in Std.
   [[nodiscard]] const_reverse_iterator rend() const noexcept { return std_.rend(); }
+  /// As in Std.
+  [[nodiscard]] const_reverse_iterator crbegin() const noexcept { return std_.rbegin(); }
+  /// As in Std.
+  [[nodiscard]] const_reverse_iterator crend() const noexcept { return std_.rend(); }
 
   /// The element at @p at refers to @p p: what `*at = p` is in the standard list.
   void replace(iterator at, T* p) noexcept {

@@ -24,7 +24,7 @@ inline namespace SLAMGC_FLAVOUR {
 /// allocation throws, nothing has changed.
 ///
 /// Thread-safety: that of the standard vector. Moreover several threads may assign elements, `v[i] = p`,
-/// and read them by `v[i].get()` at once, without a lock, while none changes the vector as a whole.
+/// and read them by `v.load(i)` at once, without a lock, while none changes the vector as a whole.
 template <class T, class... Options>
 class rc_vector
     : public detail::counted_container<T, std::vector<T*, Options...>, detail::element_itself,
@@ -102,6 +102,10 @@ class rc_vector
   [[nodiscard]] reference operator[](size_type i) noexcept { return reference(std_[i]); }
   /// The element.
   [[nodiscard]] const_reference operator[](size_type i) const noexcept { return std_[i]; }
+  /// The element, for a reader that does not hold the lock under which others assign elements.
+  [[nodiscard]] T* load(size_type i) const noexcept {
+    return detail::policy_of<T>::env::load(std_[i]);
+  }
   /// The element, to read or to assign. Throws std::out_of_range.
   [[nodiscard]] reference at(size_type i) { return reference(std_.at(i)); }
   /// The element. Throws std::out_of_range.
@@ -120,6 +124,10 @@ class rc_vector
   [[nodiscard]] const_reverse_iterator rbegin() const noexcept { return std_.rbegin(); }
   /// As in Std.
   [[nodiscard]] const_reverse_iterator rend() const noexcept { return std_.rend(); }
+  /// As in Std.
+  [[nodiscard]] const_reverse_iterator crbegin() const noexcept { return std_.rbegin(); }
+  /// As in Std.
+  [[nodiscard]] const_reverse_iterator crend() const noexcept { return std_.rend(); }
 
   /// As in Std.
   [[nodiscard]] size_type capacity() const noexcept { return std_.capacity(); }

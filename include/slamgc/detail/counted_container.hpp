@@ -15,6 +15,12 @@ namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 namespace detail {
 
+template <class Std, class = void>
+struct ends_with_pop_back : std::false_type {};
+template <class Std>
+struct ends_with_pop_back<Std, std::void_t<decltype(std::declval<Std&>().pop_back())>>
+    : std::true_type {};
+
 /// A standard container of raw pointers whose references are counted.
 ///
 /// Invariant, outside of member functions and of an edit scope: each occurrence of a pointer in
@@ -124,22 +130,15 @@ class counted_container {
     assign_moved(other);
     return *this;
   }
-  ~counted_container() {
-    if (std_.empty()) return;
-    const counted_scope<T> until_final;
-    const Std old(std::move(std_));
-    std_.clear();
-    drop_all(old);
-  }
+  ~counted_container() { clear_content(); }
 
   /// The references of @p content replace those of this container, which keeps its allocator.
   void assign_content(Std&& content) {
     const counted_scope<T> until_final;
     Std next(std::move(content), std_.get_allocator());
-    add_all(next);
-    const Std old(std::move(std_));
-    std_ = std::move(next);
-    drop_all(old);
+    std_.swap(next);
+    add_all();
+    drop_all(next);
   }
   /// Moves the references of @p other here; it becomes empty.
   void assign_moved(counted_container& other) {
@@ -148,9 +147,8 @@ class counted_container {
     other.move_all();
     Std next(std::move(other.std_), std_.get_allocator());
     other.std_.clear();
-    const Std old(std::move(std_));
-    std_ = std::move(next);
-    drop_all(old);
+    std_.swap(next);
+    drop_all(next);
   }
   /// Exchanges the references of two containers: O(size), as each of them changes its place.
   void swap_content(counted_container& other) noexcept {
@@ -159,15 +157,22 @@ class counted_container {
     other.move_all();
     std_.swap(other.std_);
   }
-  /// Removes all references and keeps the capacity.
+  /// Removes all references and keeps the capacity. One by one, since moving the whole away would copy
+  /// a comparator, which may throw.
   void clear_content() noexcept {
     if (std_.empty()) return;
     const counted_scope<T> until_final;
-    Std old(std::move(std_));
-    std_.clear();
-    drop_all(old);
-    old.clear();
-    std_.swap(old);
+    do {
+      T* gone;
+      if constexpr (ends_with_pop_back<Std>::value) {
+        gone = reference_of(std_.back());
+        std_.pop_back();
+      } else {
+        gone = reference_of(*std_.begin());
+        std_.erase(std_.begin());
+      }
+      detail::drop_reference(gone);
+    } while (!std_.empty());
   }
 
   static T* reference_of(const value_type& value) noexcept { return Reference()(value); }

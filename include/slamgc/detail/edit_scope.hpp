@@ -67,11 +67,15 @@ class edit_scope {
   edit_scope& operator=(const edit_scope&) = delete;
 
   /// The plain container, valid until the scope ends.
-  [[nodiscard]] Std& get() const noexcept { return content_; }
+  [[nodiscard]] Std& get() const& noexcept { return content_; }
+  /// Refused: a reference that is kept would outlive the scope. Name the scope.
+  Std& get() const&& = delete;
   /// The plain container, valid until the scope ends.
   [[nodiscard]] operator Std&() const noexcept { return content_; }
   /// The plain container, valid until the scope ends.
-  [[nodiscard]] Std& operator*() const noexcept { return content_; }
+  [[nodiscard]] Std& operator*() const& noexcept { return content_; }
+  /// Refused: a reference that is kept would outlive the scope. Name the scope.
+  Std& operator*() const&& = delete;
   /// The plain container, valid until the scope ends.
   [[nodiscard]] Std* operator->() const noexcept { return &content_; }
 
@@ -92,7 +96,9 @@ class edit_scope {
   }
   /// Returns whether this scope has to count.
   bool check_out() noexcept {
-    open().innermost = scope_.outer;
+    open_edit** link = &open().innermost;
+    while (*link != &scope_ && *link != nullptr) link = &(*link)->outer;
+    if (*link != nullptr) *link = scope_.outer;
     return scope_.container != nullptr;
   }
 #else

@@ -74,9 +74,12 @@ struct access {
 };
 
 template <class T>
+std::uint32_t count_of(const T* p) noexcept {
+  return transitions<policy_of<T>>::load(access::header_of(*p).state).count();
+}
+template <class T>
 misuse misuse_of(const T* p, const char* what) noexcept {
-  return {what, type_name<object_of<T>>::get(), p,
-          transitions<policy_of<T>>::load(access::header_of(*p).state).count()};
+  return {what, type_name<object_of<T>>::get(), p, detail::count_of(p)};
 }
 
 /// The link of an object whose destructor runs points to its own header.

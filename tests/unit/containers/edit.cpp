@@ -29,7 +29,10 @@ TYPED_TEST(ContainerEdit, CountsWhatWasPutInAndTakenOut) {
 TYPED_TEST(ContainerEdit, CountsAssignment) {
   using std_type = typename TypeParam::std_type;
   const TypeParam other = filled<TypeParam>({this->nodes[4], this->nodes[2], this->nodes[3]});
-  *this->c.edit() = other.raw();
+  {
+    const auto scope = this->c.edit();
+    *scope = other.raw();
+  }
   EXPECT_TRUE(counts_are_exact(1, this->c, other));
   std_type plain = filled<TypeParam>(this->nodes);
   this->c.edit()->swap(plain);
@@ -105,7 +108,10 @@ TEST(VectorEdit, CountsWhateverHappens) {
   const std::vector<node_ptr> nodes = make_nodes(4);
   slamgc::rc_vector<node> v = filled<slamgc::rc_vector<node>>(nodes);
   const auto edit = [&](auto change) {
-    change(*v.edit());
+    {
+      const auto scope = v.edit();
+      change(*scope);
+    }
     EXPECT_TRUE(counts_are_exact(1, v));
   };
   using plain = std::vector<node*>;

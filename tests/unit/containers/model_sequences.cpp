@@ -97,7 +97,12 @@ void vector_step(model<slamgc::rc_vector<node>>& m) {
       return m.both([&](auto& c) { c.shrink_to_fit(); });
     default: {
       const auto change = [](auto& c) { std::sort(c.begin(), c.end(), std::greater<node*>()); };
-      return m.each([&](auto& c) { change(*c.edit()); }, change);
+      return m.each(
+          [&](auto& c) {
+            const auto scope = c.edit();
+            change(*scope);
+          },
+          change);
     }
   }
 }
