@@ -1,6 +1,6 @@
 // An object that a destructor refers to again while it waits to be destroyed, and that another thread
 // takes from there and drops.
-#include "support/relacy_env.hpp"
+#include "../support/relacy_env.hpp"
 
 struct leaf : slamgc::rc_object<leaf, relacy_fetch_add_counter> {
   plain<int> value;
