@@ -1,4 +1,4 @@
-// expect-error: (deleted function|use of deleted)
+// expect-error: deleted (function|operator)
 // The scope of `*v.edit()` ends before the loop begins: what it writes would not be counted.
 #include <slamgc/slamgc.hpp>
 
