@@ -276,7 +276,7 @@ struct per_thread {
   struct alignas(128) padded {
     T value;
   };
-  padded all[max_threads];
+  padded all[most_threads];
   T& operator[](unsigned thread) { return all[thread].value; }
 };
 

@@ -23,7 +23,7 @@ struct options {
   unsigned rounds = 31;
   double window = 1e-3;  ///< Seconds of CPU time per thread.
   bool smoke = false;    ///< A few iterations, no measurement: for tests.
-  unsigned threads = max_threads;
+  unsigned threads = most_threads;
   const char* only = "";
 };
 
@@ -59,11 +59,11 @@ struct window {
 /// Threads that wait for work.
 class pool {
  public:
-  pool() : processors_(processors()) {
-    for (unsigned i = 0; i != max_threads; ++i) threads_.emplace_back([this, i] { serve(i); });
+  explicit pool(unsigned threads) : processors_(processors()), samples_(threads) {
+    for (unsigned i = 0; i != threads; ++i) threads_.emplace_back([this, i] { serve(i); });
   }
   ~pool() {
-    post(nullptr, 0, max_threads, 0);
+    post(nullptr, 0, 0, 0);
     for (std::thread& t : threads_) t.join();
   }
   pool(const pool&) = delete;
@@ -124,6 +124,7 @@ class pool {
         n = iterations_;
         round = round_;
       }
+      if (c->prepare) c->prepare(thread, n);
       // Begin together. A thread that waits must not keep others from getting here.
       waiting_.fetch_sub(1);
       while (waiting_.load() != 0)
@@ -136,6 +137,7 @@ class pool {
       s.cpu = now(CLOCK_THREAD_CPUTIME_ID) - cpu;
       s.end = now(CLOCK_MONOTONIC);
       s.preempted = preemptions() != before;
+      if (c->finish) c->finish(thread);
       const std::lock_guard<std::mutex> lock(mutex_);
       samples_[thread] = s;
       if (--running_ == 0) done_.notify_all();
@@ -155,7 +157,7 @@ class pool {
   std::uint64_t iterations_ = 0, ticket_ = 0;
   unsigned active_ = 0, running_ = 0, round_ = 0;
   std::atomic<unsigned> waiting_{0};
-  sample samples_[max_threads];
+  std::vector<sample> samples_;
   std::vector<std::thread> threads_;
 };
 
@@ -186,7 +188,7 @@ options parse(int argc, char** argv) {
 
 class session {
  public:
-  explicit session(const options& o) : options_(o) {}
+  session(const options& o, unsigned threads) : options_(o), pool_(threads) {}
 
   void run(const group& g, unsigned threads) {
     struct entry {
@@ -233,11 +235,13 @@ class session {
     const double window =
         threads <= pool_.processor_count() ? options_.window : 4 * options_.window;
     for (std::uint64_t n = 1;; n *= 2) {
+      if (n >= c.most) return c.most;
       double best = pool_.measure(c, n, threads, 0).cpu;
       for (int i = 0; i != 2; ++i) best = std::min(best, pool_.measure(c, n, threads, 0).cpu);
       if (best > window / 8)
-        return std::max<std::uint64_t>(
-            1, static_cast<std::uint64_t>(window / best * static_cast<double>(n)));
+        return std::min(c.most,
+                        std::max<std::uint64_t>(
+                            1, static_cast<std::uint64_t>(window / best * static_cast<double>(n))));
     }
   }
 
@@ -250,10 +254,14 @@ class session {
 
 int run(int argc, char** argv, const std::vector<group>& groups) {
   const options o = parse(argc, argv);
-  session s(o);
+  const std::vector<unsigned> all{1, 2, 4, max_threads};
+  // The others wait all the time: as few as there may be.
+  unsigned threads_of_all = max_threads;
+  for (const group& g : groups)
+    for (unsigned threads : g.threads) threads_of_all = std::max(threads_of_all, threads);
+  session s(o, threads_of_all);
   for (const group& g : groups) {
     if (g.operation.find(o.only) == std::string::npos) continue;
-    const std::vector<unsigned> all{1, 2, 4, max_threads};
     for (unsigned threads : g.threads.empty() ? all : g.threads)
       if (threads <= o.threads) s.run(g, threads);
   }

@@ -25,6 +25,11 @@ struct contender {
   std::function<void(unsigned thread, std::uint64_t n, unsigned round)> run;
   /// For counters without synchronisation.
   bool one_thread_only = false;
+  /// What comes before and after on each thread and is not measured, such as registering it; may be empty.
+  std::function<void(unsigned thread, std::uint64_t n)> prepare = {};
+  std::function<void(unsigned thread)> finish = {};
+  /// How often it may be done in one window.
+  std::uint64_t most = std::uint64_t{1} << 40;
 };
 
 /// Alternatives that do the same.
@@ -34,12 +39,14 @@ struct group {
   std::vector<contender> contenders;
   /// Operations that one call of contender::run does per n: elements of a container.
   std::uint64_t operations = 1;
-  /// Numbers of threads; empty: all of them.
+  /// Numbers of threads; empty: 1, 2, 4, 8.
   std::vector<unsigned> threads = {};
 };
 
-/// Threads that a contender is measured with at most.
+/// Threads that a contender is measured with at most, unless its group names more.
 constexpr unsigned max_threads = 8;
+/// Threads that any contender is measured with at most.
+constexpr unsigned most_threads = 64;
 
 /// "One object" is another one each round: how long a cache line takes from one core to another
 /// depends on its address, by more than what the counters differ.

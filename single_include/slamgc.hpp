@@ -1,4 +1,4 @@
-// slamgc 0.1.0: the whole library in one file, made by scripts/amalgamate. Do not edit.
+// slamgc 0.2.0: the whole library in one file, made by scripts/amalgamate. Do not edit.
 //
 // MIT License
 //
@@ -26,27 +26,29 @@
 
 // ---- slamgc/slamgc.hpp ----
 /// @file
-/// Everything, except mutex_counter.hpp: that one exists for comparison, and `<mutex>` is large.
+/// Everything, except mutex_counter.hpp, which exists for comparison, and background_reclaimer.hpp, which a
+/// program includes in one place: `<mutex>` is large.
 
-// ---- slamgc/containers/rc_list.hpp ----
+// ---- slamgc/atomic_rc.hpp ----
 /// @file
-/// A list of counted references.
+/// A counted member that hands out references of the reader's own.
 
-#include <initializer_list>
-#include <list>
+#include <type_traits>
 #include <utility>
 
-// ---- slamgc/detail/counted_container.hpp ----
+// ---- slamgc/deferred.hpp ----
 /// @file
-/// What all counted containers share: reading, and the ways in which counts follow a change.
+/// The reclaimers that wait: an object is destroyed when nobody can see it any more.
+
+#include <cstdint>
+
+// ---- slamgc/assert.hpp ----
+/// @file
+/// What slamgc does when it is misused: a replaceable assertion that names the object.
 
 #include <cstddef>
-#include <memory>
-#include <type_traits>
-
-// ---- slamgc/fwd.hpp ----
-/// @file
-/// Declarations only: include this where a pointer or a reference to a slamgc type is enough.
+#include <cstdio>
+#include <cstdlib>
 
 // ---- slamgc/flavour.hpp ----
 /// @file
@@ -54,7 +56,7 @@
 ///
 /// `SLAMGC_DEBUG` chooses: 1 turns the checks on, 0 turns them off. Unless the program says
 /// otherwise they are on when `NDEBUG` is not defined, or when the program brings a `SLAMGC_ASSERT`
-/// of its own. Layout is the same in both. The functions are not, so each flavour lives in an inline
+/// of its own. Layout is the same in both, but for slamgc::borrow, which is for locals. The functions are not, so each flavour lives in an inline
 /// namespace of its own, and a program that links both holds two sets of slamgc's functions. (A class
 /// of the program's own that two files see in two flavours is still two definitions of one class: they
 /// agree in layout, which is what programs rely on, and not to the letter of the one-definition rule.) A program that brings a `SLAMGC_ASSERT` brings it in every
@@ -74,78 +76,9 @@
 #define SLAMGC_FLAVOUR unchecked
 #endif
 
-/// slamgc: concurrent memory reclamation for graph-shaped SLAM maps.
-namespace slamgc {
-/// Checked and unchecked builds live side by side; see flavour.hpp.
-inline namespace SLAMGC_FLAVOUR {
-
-struct std_env;
-
-template <class Env>
-struct basic_fetch_add_counter;
-template <class Env>
-struct basic_cas_counter;
-template <class Env>
-struct basic_unsync_counter;
-template <class Env, class Mutex>
-struct basic_mutex_counter;
-
-/// Counter policy: one atomic add per change. The default, and the fastest.
-using fetch_add_counter = basic_fetch_add_counter<std_env>;
-/// Counter policy: a compare-and-swap loop per change (the thesis's fourth scheme).
-using cas_counter = basic_cas_counter<std_env>;
-/// Counter policy: plain arithmetic, for objects that one thread alone ever touches.
-using unsync_counter = basic_unsync_counter<std_env>;
-
-struct reclaim_at_zero;
-
-template <class T, class Policy = fetch_add_counter, class Reclaimer = reclaim_at_zero>
-class rc_object;
-
-template <class T>
-class intrusive_rc;
-template <class T, class Env = std_env>
-class rc_slot;
-template <class Container>
-class scoped_count;
-
-// The trailing parameters are those of the standard container (allocator, comparator, hash), with
-// its defaults.
-template <class T, class... Options>
-class rc_vector;
-template <class T, class... Options>
-class rc_list;
-template <class T, class... Options>
-class rc_set;
-template <class T, class Mapped, class... Options>
-class rc_map;
-template <class Key, class T, class... Options>
-class rc_value_map;
-template <class T, class... Options>
-class rc_unordered_set;
-template <class T, class Mapped, class... Options>
-class rc_unordered_map;
-
-}  // namespace SLAMGC_FLAVOUR
-}  // namespace slamgc
-// ---- slamgc/detail/edit_scope.hpp ----
-/// @file
-/// Editing the plain container inside a counted one.
-
-#include <vector>
-
-// ---- slamgc/detail/header.hpp ----
-/// @file
-/// The header of an object, and how the rest of the library reaches it and counts references.
-
-#include <cstdint>
-
-// ---- slamgc/assert.hpp ----
-/// @file
-/// What slamgc does when it is misused: a replaceable assertion that names the object.
-
-#include <cstdio>
-#include <cstdlib>
+/// Of namespace slamgc::runtime: what all flavours and all shared libraries of a process have in common,
+/// under `-fvisibility=hidden`, too.
+#define SLAMGC_SHARED __attribute__((visibility("default")))
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
@@ -221,6 +154,43 @@ class type_name {
 #define SLAMGC_ASSERT(condition, found) ((void)0)
 #endif
 #endif
+// ---- slamgc/detail/zero_count_table.hpp ----
+/// @file
+/// The zero-count table: objects that wait until nobody can see them any more.
+///
+/// **Life of an entry.** An object enters when its count falls to zero or when it is retired at zero,
+/// whichever comes first: the change that makes it so also sets `queued`, and the thread whose change set
+/// it pushes the object. So each object is in the table at most once, and whoever pushes it owns its link.
+/// While it is not queued, the link names the table that it belongs to.
+///
+/// The collector *notes* the state word of each object that has entered, advances the epoch, and after the
+/// grace period *decides*:
+///
+/// | count | version | the object |
+/// |---|---|---|
+/// | 0 | as noted | is reclaimed |
+/// | 0 | another | enters anew: a pointer may have been borrowed through the reference that came and went |
+/// | more | | leaves the table |
+///
+/// **An object that is reclaimed is out of everybody's sight.** Its count was zero when the word was noted,
+/// and no reference was added since (counter.hpp). So every reference had been unlinked before the epoch
+/// was advanced, and after the grace period nobody holds a pointer that was borrowed through one
+/// (domain.hpp). Without a pointer nobody adds a reference or retires it either.
+///
+/// **None is lost.** Leaving the table is one compare-and-swap of the whole word, which clears `queued`. A
+/// fall to zero or a retirement after it finds the flag clear and pushes the object again; one before it
+/// makes the compare-and-swap fail, and the collector decides again.
+///
+/// Deferred reference counting: Deutsch and Bobrow 1976; *The Garbage Collection Handbook*, 5.3.
+
+// ---- slamgc/reclaim_at_zero.hpp ----
+/// @file
+/// The default reclaimer: an object is destroyed as soon as its count falls to zero.
+
+// ---- slamgc/detail/header.hpp ----
+/// @file
+/// The header of an object, and how the rest of the library reaches it and counts references.
+
 // ---- slamgc/counter.hpp ----
 /// @file
 /// The state word of an object and the counter policies that change it.
@@ -251,8 +221,99 @@ class type_name {
 
 #include <atomic>
 
+// ---- slamgc/fwd.hpp ----
+/// @file
+/// Declarations only: include this where a pointer or a reference to a slamgc type is enough.
+
+/// slamgc: concurrent memory reclamation for graph-shaped SLAM maps.
 namespace slamgc {
+
+/// What a process has once, whatever the flavours of its parts: threads register with a domain, not with a
+/// flavour of it.
+namespace runtime SLAMGC_SHARED {
+struct std_env;
+template <class Env>
+class domain_state;
+}  // namespace SLAMGC_SHARED
+using runtime::std_env;
+
+/// Checked and unchecked builds live side by side; see flavour.hpp.
 inline namespace SLAMGC_FLAVOUR {
+
+template <class Env>
+struct basic_fetch_add_counter;
+template <class Env>
+struct basic_cas_counter;
+template <class Env>
+struct basic_unsync_counter;
+template <class Env, class Mutex>
+struct basic_mutex_counter;
+
+/// Counter policy: one atomic add per change. The default, and the fastest.
+using fetch_add_counter = basic_fetch_add_counter<std_env>;
+/// Counter policy: a compare-and-swap loop per change (the thesis's fourth scheme).
+using cas_counter = basic_cas_counter<std_env>;
+/// Counter policy: plain arithmetic, for objects that one thread alone ever touches.
+using unsync_counter = basic_unsync_counter<std_env>;
+
+struct reclaim_at_zero;
+struct reclaim_deferred;
+struct reclaim_retired;
+struct reclaim_by_scan;
+
+template <class T, class Policy = fetch_add_counter, class Reclaimer = reclaim_at_zero>
+class rc_object;
+
+template <class T>
+class intrusive_rc;
+template <class T, class Env = std_env>
+class rc_slot;
+template <class T, class Env = std_env>
+class atomic_rc;
+template <class T, class Env = std_env>
+class borrow;
+template <class Container>
+class scoped_count;
+
+template <class Env>
+class basic_domain;
+template <class Env>
+class basic_mutator;
+template <class T>
+class retire_set;
+class background_reclaimer;
+
+/// What the objects, threads and collectors of a SLAM system share.
+using domain = basic_domain<std_env>;
+/// Registers a thread with a domain.
+using mutator = basic_mutator<std_env>;
+
+namespace detail {
+struct domain_access;
+}  // namespace detail
+
+// The trailing parameters are those of the standard container (allocator, comparator, hash), with
+// its defaults.
+template <class T, class... Options>
+class rc_vector;
+template <class T, class... Options>
+class rc_list;
+template <class T, class... Options>
+class rc_set;
+template <class T, class Mapped, class... Options>
+class rc_map;
+template <class Key, class T, class... Options>
+class rc_value_map;
+template <class T, class... Options>
+class rc_unordered_set;
+template <class T, class Mapped, class... Options>
+class rc_unordered_map;
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
 
 /// The environment of ordinary programs.
 struct std_env {
@@ -272,6 +333,9 @@ struct std_env {
     return record;
   }
 
+  /// As many mutators of a domain at a time have a place of their own in its tables; more share one.
+  static constexpr std::size_t mutator_doors = 62;
+
   /// Reads an element of a standard container that others may assign at the same time, without lock.
   template <class T>
   [[nodiscard]] static T* load(T* const& element) noexcept {
@@ -288,7 +352,7 @@ struct std_env {
   }
 };
 
-}  // namespace SLAMGC_FLAVOUR
+}  // namespace SLAMGC_SHARED
 }  // namespace slamgc
 
 namespace slamgc {
@@ -628,6 +692,13 @@ bool is_dying(const T* p) noexcept {
   return header.link.load(std::memory_order_relaxed) == &header;  // (8)
 }
 
+/// Whether the reclaimer wants to know of objects that the program itself deletes.
+template <class Reclaimer, class T, class = void>
+struct has_last_link : std::false_type {};
+template <class Reclaimer, class T>
+struct has_last_link<Reclaimer, T, std::void_t<decltype(Reclaimer::template last_link<T>(nullptr))>>
+    : std::true_type {};
+
 /// Counts a new reference to *p; p may be null. Before the reference is published: who sees it then
 /// sees the count, too.
 template <class T>
@@ -659,6 +730,2006 @@ void drop_reference(T* p) noexcept {
 }  // namespace detail
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// For reclaimers: uncounts a reference to @p object and returns its state word as it was before.
+///
+/// Wait-free under `fetch_add_counter`. Uncounting what was never counted is reported and undone.
+template <class T>
+state_word uncount_reference(T* object) noexcept {
+  const state_word before = detail::transitions<detail::policy_of<T>>::decrement(
+      detail::access::header_of(*object).state);
+  SLAMGC_ASSERT(before.count() != 0,
+                (detail::misuse_of(object, "removes a reference that was never counted")));
+  return before;
+}
+
+/// For reclaimers: runs the destructor and returns the memory, as `delete` does.
+///
+/// References that are made to the object meanwhile are reported.
+template <class T>
+void destroy_object(T* object) noexcept {
+  detail::mark_dying(object);
+  delete object;
+}
+
+namespace detail {
+
+/// Objects of one type that the thread has yet to destroy, linked through their headers.
+struct doomed_list {
+  void* first;
+  doomed_list* next;
+  void (*destroy_first)(doomed_list&) noexcept;
+};
+
+/// What one thread has yet to destroy. Objects know nothing of their type at run time, so there is a
+/// list per type.
+struct doomed_record {
+  doomed_list* lists;
+  unsigned scopes;
+};
+
+template <class T>
+struct doomed_list_of : doomed_list {};
+
+}  // namespace detail
+
+/// Reclaimer: destroys an object when its count falls to zero, on the thread that brought it there.
+///
+/// Iterative: an object whose last reference goes while another is being destroyed waits in a list
+/// of the thread, so that a chain of a million objects needs no more stack than one. Destructors run
+/// on the thread that drops the last reference and under the locks it holds; a collector that defers
+/// is for programs that cannot have that. An object that is referred to again while it waits stays.
+///
+/// It is also the example of the concept. A reclaimer is a type with
+/// - `release(T*)`, static and `noexcept`: a reference to the object was unlinked. Uncounts it (with
+///   uncount_reference, or with a transition of its own) and decides what becomes of an object that
+///   nobody refers to; that one's link word is the reclaimer's. It destroys with destroy_object.
+/// - `first_link<T>()`, static: the link word of a new object. May throw.
+/// - `last_link<T>(void*)`, static and `noexcept`, if wanted: the program itself deletes an object, with
+///   that link word.
+/// - `scope<T>`: a container keeps one while it changes; no destructor may run inside, so that none
+///   meets a half-changed container.
+struct reclaim_at_zero {
+  /// Removes a reference; destroys the object if it was the last. Never allocates. Amortised O(1).
+  template <class T>
+  static void release(T* object) noexcept {
+    // Not touched any more if it is queued: the thread that has it may destroy it at once.
+    const state_word before = slamgc::uncount_reference(object);
+    if (before.count() == 1 && !before.is_queued()) destroy_later(object);
+  }
+
+  /// New objects are linked to nothing.
+  template <class T>
+  static void* first_link() noexcept {
+    return nullptr;
+  }
+
+  /// While a thread has one, nothing is destroyed on it; the end of the outermost one makes up for it.
+  template <class T>
+  class scope {
+   public:
+    /// Holds destruction back.
+    scope() noexcept : thread_(record()) { ++thread_.scopes; }
+    /// Lets it happen, if this is the outermost scope.
+    ~scope() {
+      if (thread_.scopes == 1)
+        while (thread_.lists != nullptr) thread_.lists->destroy_first(*thread_.lists);
+      --thread_.scopes;
+    }
+    scope(const scope&) = delete;
+    scope& operator=(const scope&) = delete;
+
+   private:
+    static detail::doomed_record& record() noexcept {
+      return detail::policy_of<T>::env::template thread_record<detail::doomed_record>();
+    }
+    detail::doomed_record& thread_;
+  };
+
+ private:
+  template <class T>
+  using word = detail::transitions<detail::policy_of<T>>;
+
+  template <class T>
+  static void destroy_later(T* object) noexcept {
+    using env = typename detail::policy_of<T>::env;
+    auto& header = detail::access::header_of(*object);
+    if (!word<T>::enqueue(header.state)) return;
+    const scope<T> until_listed;
+    auto& list = env::template thread_record<detail::doomed_list_of<T>>();
+    if (list.first == nullptr) {
+      auto& thread = env::template thread_record<detail::doomed_record>();
+      list.destroy_first = &destroy_first<T>;
+      list.next = thread.lists;
+      thread.lists = &list;
+    }
+    // (8) the list belongs to this thread.
+    header.link.store(list.first, std::memory_order_relaxed);
+    list.first = object;
+  }
+
+  template <class T>
+  static void destroy_first(detail::doomed_list& list) noexcept {
+    T* object = static_cast<T*>(list.first);
+    auto& header = detail::access::header_of(*object);
+    // (8) the list belongs to this thread.
+    list.first = header.link.load(std::memory_order_relaxed);
+    if (list.first == nullptr) {  // this list is the thread's first, see ~scope
+      using env = typename detail::policy_of<T>::env;
+      env::template thread_record<detail::doomed_record>().lists = list.next;
+    }
+    // A destructor that ran meanwhile may have referred to the object again.
+    if (!word<T>::dequeue_if_referred_to(header.state)) slamgc::destroy_object(object);
+  }
+};
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/detail/domain_state.hpp ----
+/// @file
+/// What outlives a domain: its epoch, the records of its mutators, and its tables.
+
+#include <chrono>
+
+// ---- slamgc/detail/collection.hpp ----
+/// @file
+/// A domain's collection: one at a time, in as many calls as it takes.
+///
+/// **States.** *noting*: what has entered the tables is noted, table by table. *waiting*: the epoch was
+/// advanced; the grace period is open. *deciding*: it is over; the noted objects are destroyed, or leave, or
+/// enter anew. A call goes on where the last one ended, whichever thread made it. What enters meanwhile
+/// belongs to the next round.
+
+// ---- slamgc/budget.hpp ----
+/// @file
+/// What a call that collects may do, and what it did.
+
+namespace slamgc {
+
+/// How much one call of collect() may do. It stops at whichever it reaches first, after the object it is
+/// at: one destructor is the smallest unit of time.
+struct budget {
+  /// Objects to handle. One that is reclaimed is handled twice: noted, and after the grace period destroyed.
+  std::size_t objects = static_cast<std::size_t>(-1);
+  std::chrono::nanoseconds time = std::chrono::nanoseconds::max();  ///< Time.
+};
+
+/// What a call of collect() did.
+struct collected {
+  /// How it ended.
+  enum class outcome {
+    done,     ///< Nothing is left that could be reclaimed now.
+    waiting,  ///< The rest waits until each mutator has passed a quiescent state.
+    partial,  ///< The budget is used up.
+    busy,     ///< Another thread is collecting, or this one further up the stack; nothing was done.
+    refused,  ///< The thread declared that it never reclaims; nothing was done.
+  };
+  outcome result = outcome::done;  ///< How it ended.
+  std::size_t reclaimed = 0;       ///< Objects destroyed.
+};
+
+/// Why drain() or synchronize() ended.
+enum class waited {
+  done,       ///< What was waited for has happened.
+  timed_out,  ///< A mutator did not pass a quiescent state in time.
+  refused,  ///< The calling thread would wait for itself: it is an online mutator of the domain, or collects.
+};
+
+}  // namespace slamgc
+// ---- slamgc/stats.hpp ----
+/// @file
+/// What a domain can say about itself, as plain numbers.
+
+#include <vector>
+
+namespace slamgc {
+
+/// Numbers of the objects of one type in one domain.
+struct type_stats {
+  const char* type = "";        ///< The type, as the compiler spells it.
+  std::size_t object_size = 0;  ///< Bytes of one object, without what it allocates itself.
+  std::uint64_t created = 0;    ///< Objects made so far.
+  std::uint64_t live = 0;       ///< Objects that exist now.
+  std::uint64_t retired = 0;    ///< Objects declared dead so far.
+  std::uint64_t reclaimed = 0;  ///< Objects destroyed by collectors so far.
+  std::uint64_t backlog = 0;    ///< Objects that wait for a collector now.
+
+  /// Bytes of the objects that exist now, without what they allocate themselves.
+  [[nodiscard]] std::uint64_t live_bytes() const noexcept { return live * object_size; }
+  /// Bytes of the objects destroyed by collectors so far, without what they had allocated themselves.
+  [[nodiscard]] std::uint64_t reclaimed_bytes() const noexcept { return reclaimed * object_size; }
+};
+
+/// Numbers of one registered thread.
+struct mutator_stats {
+  const char* name = "";  ///< The name it registered with.
+  bool online = false;    ///< Whether it may hold borrowed pointers.
+  bool delays = false;    ///< Whether the open grace period waits for it.
+};
+
+/// Whom reclamation waits for.
+struct delay {
+  const char* oldest = nullptr;     ///< A mutator that holds the open grace period up; null: none.
+  std::chrono::nanoseconds age{0};  ///< For how long it has held it up.
+  std::uint64_t backlog = 0;        ///< Objects that wait.
+};
+
+/// Numbers of one domain.
+struct domain_stats {
+  std::vector<type_stats> types;                ///< One for each type of which an object was made.
+  std::vector<mutator_stats> mutators;          ///< One for each registered thread.
+  delay delayed;                                ///< Whom reclamation waits for.
+  std::uint64_t grace_periods = 0;              ///< Grace periods begun so far, by collecting.
+  std::chrono::nanoseconds longest_collect{0};  ///< Longest call of collect() so far.
+  std::uint64_t refused_collects = 0;  ///< Calls on threads that declared never to reclaim.
+
+  /// The sum of one number over all types.
+  [[nodiscard]] std::uint64_t total(std::uint64_t type_stats::*number) const noexcept {
+    std::uint64_t sum = 0;
+    for (const type_stats& t : types) sum += t.*number;
+    return sum;
+  }
+  /// Bytes of the objects of all types that exist now, without what they allocate themselves.
+  [[nodiscard]] std::uint64_t live_bytes() const noexcept {
+    std::uint64_t sum = 0;
+    for (const type_stats& t : types) sum += t.live_bytes();
+    return sum;
+  }
+};
+
+}  // namespace slamgc
+// ---- slamgc/detail/clock.hpp ----
+/// @file
+/// Time, apart from env.hpp because `<chrono>` and `<thread>` are large.
+
+#include <thread>
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+/// The time of an environment: real, unless it specialises this.
+template <class Env>
+struct clock_of {
+  using time_point = std::chrono::steady_clock::time_point;
+
+  static time_point now() noexcept { return std::chrono::steady_clock::now(); }
+
+  /// Lets other threads run for about @p time; zero is a yield.
+  static void pause(std::chrono::nanoseconds time) noexcept {
+    if (time.count() == 0)
+      std::this_thread::yield();
+    else
+      std::this_thread::sleep_for(time);
+  }
+};
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc
+// ---- slamgc/detail/participant.hpp ----
+/// @file
+/// How a thread takes part in a domain: as a mutator, or as the collector at work.
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+inline constexpr std::size_t cache_line = 64;
+
+template <class Env>
+struct table_door;
+
+/// A registered thread, as collectors see it. Records are used again and freed with the domain's state
+/// only, so a collector reads them without a lock.
+template <class Env>
+struct alignas(cache_line) mutator_record {
+  static constexpr std::uint64_t offline = 0;
+
+  typename Env::template atomic<std::uint64_t> epoch{offline};
+  typename Env::template atomic<bool> taken{true};
+  typename Env::template atomic<const char*> name{nullptr};
+  mutator_record* next = nullptr;
+  std::size_t door = 0;
+};
+
+/// One part of a thread in a domain, known to that thread alone.
+template <class Env>
+struct participant {
+  participant* outer;
+  domain_state<Env>* domain;
+  mutator_record<Env>* record;  // null: the collector
+  std::size_t door;             // which door of each table is its own; 0: none
+  bool online;
+  bool never_reclaim;
+  std::uint64_t passed = 0;            // which of the thread's quiescent states was its last
+  table_door<Env>* pending = nullptr;  // its doors with a chain to publish
+
+  /// Whether it keeps what enters a table in a chain of its own, which it publishes later.
+  bool keeps_chains() const noexcept { return door != 0 && may_borrow(); }
+
+  /// Whether pointers may be borrowed: the collector's destructors, too, read what their objects refer to.
+  bool may_borrow() const noexcept { return online || record == nullptr; }
+
+  /// What was borrowed before is not valid any more; only the checks of borrow.hpp want to know.
+  void pass_quiescent_state() noexcept;
+
+  /// Makes what entered tables visible to the collector.
+  void publish() noexcept {
+    for (; pending != nullptr; pending = pending->next_pending) pending->publish();
+  }
+};
+
+/// The parts of one thread, the innermost first.
+template <class Env>
+struct participants {
+  participant<Env>* innermost;
+  std::uint64_t current;  // the number of the innermost, which no other part ever has; 0: none
+  std::uint64_t last;     // the last number that was given
+  std::uint64_t quiescent_states;
+
+  static participants& of_this_thread() noexcept {
+    return Env::template thread_record<participants>();
+  }
+
+  /// The innermost that may borrow, or null.
+  static participant<Env>* borrower() noexcept {
+    participant<Env>* p = of_this_thread().innermost;
+    while (p != nullptr && !p->may_borrow()) p = p->outer;
+    return p;
+  }
+  /// Whether some part of the thread in @p domain holds for @p condition.
+  template <class Condition>
+  static bool any_in(const domain_state<Env>& domain, Condition condition) noexcept {
+    for (participant<Env>* p = of_this_thread().innermost; p != nullptr; p = p->outer)
+      if (p->domain == &domain && condition(*p)) return true;
+    return false;
+  }
+};
+
+template <class Env>
+void participant<Env>::pass_quiescent_state() noexcept {
+  passed = ++participants<Env>::of_this_thread().quiescent_states;
+}
+
+/// Makes @p part the thread's innermost as long as this exists.
+template <class Env>
+class participation {
+ public:
+  explicit participation(participant<Env>& part) noexcept : part_(part) {
+    auto& all = participants<Env>::of_this_thread();
+    part_.outer = all.innermost;
+    outer_ = all.current;
+    all.innermost = &part_;
+    all.current = ++all.last;
+  }
+  ~participation() {
+    auto& all = participants<Env>::of_this_thread();
+    all.innermost = part_.outer;
+    all.current = outer_;
+  }
+  participation(const participation&) = delete;
+  participation& operator=(const participation&) = delete;
+
+ private:
+  participant<Env>& part_;
+  std::uint64_t outer_;
+};
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc
+// ---- slamgc/detail/table_base.hpp ----
+/// @file
+/// What all zero-count tables have in common, whatever the type of their objects.
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+/// How much one call of collect() may still do.
+template <class Env>
+class work_limit {
+ public:
+  using clock = clock_of<Env>;
+  using time_point = typename clock::time_point;
+
+  work_limit(std::size_t objects, std::chrono::nanoseconds time, time_point now) noexcept
+      : objects_(objects),
+        timed_(time < std::chrono::hours(1000000)),  // more could overflow the deadline
+        last_(now),
+        deadline_(timed_ ? now + time : now) {
+    (void)next_check();
+  }
+
+  /// Called after each object; false when the limit is reached. The clock costs as much as freeing a
+  /// small object, so it is read at growing distances as long as objects are quick to handle.
+  bool spend() noexcept { return --until_check_ != 0 || next_check(); }
+
+  /// Other objects follow, which may be slower: the clock is read after the first of them.
+  void other_objects() noexcept {
+    if (!timed_) return;
+    objects_ += until_check_ - 1;
+    until_check_ = 1;
+    stride_ = 1;
+  }
+
+ private:
+  bool next_check() noexcept {
+    if (timed_ && stride_ != 0) {
+      const time_point now = clock::now();
+      if (now >= deadline_) return false;
+      const bool quick = now - last_ < std::chrono::microseconds(20);
+      stride_ = quick ? (stride_ < longest_stride ? 2 * stride_ : stride_) : 1;
+      last_ = now;
+    } else {
+      stride_ = 1;
+    }
+    until_check_ = timed_ && stride_ < objects_ ? stride_ : objects_;
+    objects_ -= until_check_;
+    return until_check_ != 0;
+  }
+
+  /// So many objects that suddenly are slow may be too many.
+  static constexpr std::size_t longest_stride = 16;
+
+  std::size_t objects_;
+  bool timed_;
+  time_point last_;
+  time_point deadline_;
+  std::size_t stride_ = 0;
+  std::size_t until_check_ = 0;
+};
+
+/// Where objects of one type enter the table of a domain, with the numbers of who enters there.
+///
+/// Door 0 is shared. Each other door belongs to one participant, who alone writes its numbers and its
+/// chain; what it pushes goes to the chain first, and to the collector when it publishes that.
+template <class Env>
+struct alignas(cache_line) table_door {
+  using number = typename Env::template atomic<std::uint64_t>;
+  using link = typename Env::template atomic<void*>;
+
+  link first{nullptr};  // what the collector may take: a stack through the objects' links
+  number created{0};
+  number ended{0};
+  number retired{0};
+  number entered{0};
+  void* chain = nullptr;      // the owner's: its newest object
+  link* chain_end = nullptr;  // the link of its oldest
+  table_door* next_pending = nullptr;
+
+  /// Puts a chain of objects on the stack. Lock-free.
+  void push(void* newest, link& end) noexcept {
+    void* below = first.load(std::memory_order_relaxed);  // (11) a guess.
+    do {
+      end.store(below, std::memory_order_relaxed);  // (11)
+      // (11) release: publishes the links, and what was done to the objects, to take().
+    } while (!first.compare_exchange_weak(below, newest, std::memory_order_release,
+                                          std::memory_order_relaxed));  // (11)
+  }
+  /// All that is on the stack.
+  void* take() noexcept {
+    // (11) relaxed: only whether there is something; acquire: sees the links of all that were pushed.
+    if (first.load(std::memory_order_relaxed) == nullptr) return nullptr;
+    return first.exchange(nullptr, std::memory_order_acquire);  // (11)
+  }
+  void publish() noexcept {
+    push(chain, *chain_end);
+    chain = nullptr;
+  }
+};
+
+/// How far a table came with one phase of a collection.
+enum class progress { done, limit, no_memory };
+
+/// The part of a domain's zero-count table for objects of one type; see zero_count_table.hpp.
+template <class Env>
+class table_base {
+ public:
+  using door = table_door<Env>;
+  static constexpr std::size_t shared_door = 0;
+  static constexpr std::size_t collectors_door = 1;
+  static constexpr std::size_t first_of_mutators = 2;
+  static constexpr std::size_t doors = first_of_mutators + Env::mutator_doors;
+
+  table_base(const domain_state<Env>& d, const void* t, const char* name, std::size_t size) noexcept
+      : domain(d), type(t), type_name(name), object_size(size) {}
+  virtual ~table_base() = default;
+  table_base(const table_base&) = delete;
+  table_base& operator=(const table_base&) = delete;
+
+  /// Notes the words of the objects that have entered, before a grace period. By the collector. What
+  /// finds no memory is noted the next time.
+  virtual progress note(work_limit<Env>& limit, std::size_t& noted) noexcept = 0;
+  /// Decides on the objects that are noted, after it. By the collector.
+  virtual progress decide(work_limit<Env>& limit, std::size_t& reclaimed) noexcept = 0;
+
+  const domain_state<Env>& domain;
+  const void* const type;
+  const char* const type_name;
+  const std::size_t object_size;
+  table_base* next = nullptr;
+
+  /// The calling thread's door, and its part in this domain if it has one.
+  door& my_door(participant<Env>*& me) noexcept {
+    me = participants<Env>::of_this_thread().innermost;
+    if (me != nullptr && me->domain != &domain) me = nullptr;
+    return doors_[me != nullptr ? me->door : shared_door];
+  }
+  bool is_shared(const door& d) const noexcept { return &d == &doors_[shared_door]; }
+
+  /// Adds to a number of a door: of the shared one, or of the calling thread's.
+  void add(door& at, typename door::number door::*number, std::uint64_t n = 1) noexcept {
+    if (is_shared(at))
+      (at.*number).fetch_add(n, std::memory_order_relaxed);  // (12)
+    else
+      add(at.*number, n);
+  }
+
+  std::uint64_t sum(typename door::number door::*number) const noexcept {
+    std::uint64_t total = 0;
+    for (const door& d : doors_) total += (d.*number).load(std::memory_order_relaxed);  // (12)
+    return total;
+  }
+  std::uint64_t live() const noexcept { return sum(&door::created) - sum(&door::ended); }
+  std::uint64_t reclaimed() const noexcept {
+    return reclaimed_.load(std::memory_order_relaxed);  // (12)
+  }
+  /// Objects in the table, if nobody changes it meanwhile; never less than none.
+  std::uint64_t backlog() const noexcept {
+    const std::uint64_t left = left_.load(std::memory_order_relaxed);  // (12)
+    const std::uint64_t entered = sum(&door::entered);
+    return entered > left ? entered - left : 0;
+  }
+
+ protected:
+  /// For a number that the calling thread alone writes.
+  static void add(typename door::number& number, std::uint64_t n) noexcept {
+    number.store(number.load(std::memory_order_relaxed) + n, std::memory_order_relaxed);  // (12)
+  }
+
+  door doors_[doors];
+  // The collector's:
+  typename door::number reclaimed_{0};
+  typename door::number left_{0};
+};
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+template <class Env>
+class collection {
+ public:
+  using outcome = collected::outcome;
+  using domain = domain_state<Env>;
+
+  collected collect(domain& of, const budget& limit) noexcept {
+    // (21) acquire: sees what the last collector left behind.
+    if (collecting_.exchange(true, std::memory_order_acquire)) return {outcome::busy, 0};
+    const auto begin = clock::now();
+    for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
+      if (p->domain == &of) p->publish();
+    collected done;
+    {
+      participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
+      const participation<Env> as_collector(me);
+      me.pass_quiescent_state();
+      work_limit<Env> work(limit.objects, limit.time, begin);
+      done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
+      me.publish();
+    }
+    const std::int64_t took = std::chrono::nanoseconds(clock::now() - begin).count();
+    if (took > longest_.load(std::memory_order_relaxed))  // (12)
+      longest_.store(took, std::memory_order_relaxed);    // (12)
+    // (21) release: to the next collector.
+    collecting_.store(false, std::memory_order_release);
+    return done;
+  }
+  void refuse() noexcept { refused_.fetch_add(1, std::memory_order_relaxed); }  // (12)
+
+  void on_backlog(std::uint64_t limit, void (*hook)(const delay&, void*), void* context) noexcept {
+    backlog_limit_ = limit;
+    backlog_hook_ = hook;
+    backlog_context_ = context;
+  }
+
+  // ---- reports
+
+  /// The grace period that is waited for, or 0.
+  std::uint64_t open() const noexcept { return open_.load(std::memory_order_relaxed); }  // (12)
+  std::uint64_t grace_periods() const noexcept {
+    return grace_periods_.load(std::memory_order_relaxed);  // (12)
+  }
+  std::chrono::nanoseconds longest() const noexcept {
+    return std::chrono::nanoseconds(longest_.load(std::memory_order_relaxed));  // (12)
+  }
+  std::uint64_t refused() const noexcept {
+    return refused_.load(std::memory_order_relaxed);  // (12)
+  }
+  delay delayed(const domain& of) const noexcept {
+    delay now;
+    const std::uint64_t target = open();
+    if (const auto* const oldest = target == 0 ? nullptr : of.behind(target)) {
+      now.oldest = oldest->name.load(std::memory_order_relaxed);                             // (12)
+      now.age = time() - std::chrono::nanoseconds(opened_.load(std::memory_order_relaxed));  // (12)
+    }
+    now.backlog = backlog(of);
+    return now;
+  }
+
+ private:
+  using clock = clock_of<Env>;
+  using table = table_base<Env>;
+  enum class phase { noting, waiting, deciding };
+
+  outcome run(domain& of, participant<Env>& me, work_limit<Env>& work,
+              std::size_t& reclaimed) noexcept {
+    bool found_nothing = false;
+    for (;;) {
+      if (phase_ == phase::noting) {
+        me.publish();
+        if (batch_ == nullptr) {
+          at_ = batch_ = of.tables();
+          noted_ = 0;
+        }
+        for (; at_ != nullptr; at_ = at_->next)
+          if (at_->note(work, noted_) == progress::limit) return outcome::partial;
+        // What entered and is not noted is in a chain of a mutator, which publishes it at the latest when
+        // the grace period is over.
+        if (noted_ == 0 && backlog(of) == 0) {
+          batch_ = nullptr;
+          return outcome::done;
+        }
+        open_grace_period(of);
+        phase_ = phase::waiting;
+      }
+      if (phase_ == phase::waiting) {
+        if (of.behind(target_) != nullptr) {
+          if (backlog_hook_ != nullptr && backlog(of) > backlog_limit_)
+            backlog_hook_(delayed(of), backlog_context_);
+          return outcome::waiting;
+        }
+        open_.store(0, std::memory_order_relaxed);  // (12)
+        at_ = batch_;
+        phase_ = phase::deciding;
+      }
+      for (; at_ != nullptr; at_ = at_->next)
+        if (at_->decide(work, reclaimed) == progress::limit) return outcome::partial;
+      batch_ = nullptr;
+      phase_ = phase::noting;
+      // For a thread that is about to push something; one that was at work when the round began has done so.
+      if (noted_ == 0 && std::exchange(found_nothing, true)) return outcome::waiting;
+    }
+  }
+
+  void open_grace_period(domain& of) noexcept {
+    grace_periods_.fetch_add(1, std::memory_order_relaxed);    // (12)
+    opened_.store(time().count(), std::memory_order_relaxed);  // (12)
+    target_ = of.advance();
+    open_.store(target_, std::memory_order_relaxed);  // (12)
+  }
+
+  static std::uint64_t backlog(const domain& of) noexcept {
+    std::uint64_t sum = 0;
+    for (const table* t = of.tables(); t != nullptr; t = t->next) sum += t->backlog();
+    return sum;
+  }
+  static std::chrono::nanoseconds time() noexcept { return clock::now().time_since_epoch(); }
+
+  typename Env::template atomic<bool> collecting_{false};
+  // For reports:
+  typename Env::template atomic<std::uint64_t> open_{0};
+  typename Env::template atomic<std::int64_t> opened_{0};
+  typename Env::template atomic<std::uint64_t> grace_periods_{0};
+  typename Env::template atomic<std::int64_t> longest_{0};
+  typename Env::template atomic<std::uint64_t> refused_{0};
+  // Of the thread that collects:
+  phase phase_ = phase::noting;
+  table* batch_ = nullptr;  // the tables of this round, from the newest
+  table* at_ = nullptr;     // the next one
+  std::size_t noted_ = 0;   // objects in this round
+  std::uint64_t target_ = 0;
+  std::uint64_t backlog_limit_ = 0;
+  void (*backlog_hook_)(const delay&, void*) = nullptr;
+  void* backlog_context_ = nullptr;
+};
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+/// See domain.hpp for the argument. Freed when neither the domain, nor a mutator, nor an object needs it.
+template <class Env>
+class domain_state {
+ public:
+  using record = mutator_record<Env>;
+  using table = table_base<Env>;
+  template <class T>
+  using atomic = typename Env::template atomic<T>;
+
+  domain_state() noexcept = default;
+  domain_state(const domain_state&) = delete;
+  domain_state& operator=(const domain_state&) = delete;
+
+  // ---- who needs it: made with one reference, the domain's
+
+  void retain() noexcept {
+    references_.fetch_add(1, std::memory_order_relaxed);  // (22) the caller has one already.
+  }
+  void release() noexcept {
+    // (22) release: my use of the state is over; acquire: so are all others'.
+    if (references_.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
+    // Objects that are left name their table. They stay as they are, and so does it.
+    for (table* t = tables(); t != nullptr; t = t->next)
+      if (t->live() != 0) return;
+    delete this;
+  }
+
+  // ---- mutators
+
+  /// Takes a record that nobody uses, or makes one. Throws std::bad_alloc.
+  record& enter(const char* name) {
+    for (record* r = records_.load(std::memory_order_acquire); r != nullptr; r = r->next) {  // (14)
+      // (15) acquire: the record's last owner has finished with it, and with its doors.
+      if (!r->taken.exchange(true, std::memory_order_acquire)) {
+        r->name.store(name, std::memory_order_relaxed);  // (12)
+        return *r;
+      }
+    }
+    record* const made = new record;
+    const std::size_t before = records_made_.fetch_add(1, std::memory_order_relaxed);  // (12)
+    made->door =
+        before < Env::mutator_doors ? table::first_of_mutators + before : table::shared_door;
+    made->name.store(name, std::memory_order_relaxed);  // (12)
+    push(records_, made);
+    return *made;
+  }
+  void leave(record& r) noexcept {
+    r.taken.store(false, std::memory_order_release);  // (15)
+  }
+  /// Before the thread reads any pointer.
+  void go_online(record& r) noexcept {
+    // (16) release: the collector may read this in place of the 0 (18) that it replaces, by the record's last
+    // owner even; relaxed would take the release of that 0 back. The epoch itself is a guess.
+    r.epoch.store(epoch_.load(std::memory_order_relaxed), std::memory_order_release);
+    // (16) acq_rel: of this and the collector's advance (17), the later one sees the earlier: this one what
+    // was unlinked, or that one the record.
+    epoch_.fetch_add(0, std::memory_order_acq_rel);
+  }
+  /// After the thread gave all its borrowed pointers up.
+  static void go_offline(record& r) noexcept {
+    // (18) release: what it did with borrowed pointers comes before their reclamation (20).
+    r.epoch.store(record::offline, std::memory_order_release);
+  }
+  void quiescent(record& r) noexcept {
+    // (19) acquire: sees whatever was unlinked before the collector wrote this epoch (17).
+    const std::uint64_t now = epoch_.load(std::memory_order_acquire);
+    // (12) relaxed: nobody else writes the record.
+    if (r.epoch.load(std::memory_order_relaxed) != now)
+      r.epoch.store(now, std::memory_order_release);  // (18)
+  }
+
+  // ---- grace periods
+
+  /// Begins a grace period: what was unlinked before it cannot be read by a mutator that has seen it.
+  std::uint64_t advance() noexcept {
+    // (17) release: publishes what was unlinked before to (19) and (16); acquire: sees the records of all
+    // who went online before (16).
+    return epoch_.fetch_add(1, std::memory_order_acq_rel) + 1;
+  }
+  /// The first record that the grace period of @p target waits for, or null: it is over.
+  const record* behind(std::uint64_t target) const noexcept {
+    for (const record* r = records_.load(std::memory_order_acquire); r != nullptr;  // (14)
+         r = r->next) {
+      // (20) acquire: what the mutator did before its quiescent state (18) is over.
+      const std::uint64_t at = r->epoch.load(std::memory_order_acquire);
+      if (at != record::offline && at < target) return r;
+    }
+    return nullptr;
+  }
+  const record* first_record() const noexcept {
+    return records_.load(std::memory_order_acquire);  // (14)
+  }
+
+  // ---- tables
+
+  table* find(const void* type) const noexcept {
+    for (table* t = tables(); t != nullptr; t = t->next)
+      if (t->type == type) return t;
+    return nullptr;
+  }
+  /// Two threads may add one for the same type at once: both serve.
+  void add(table& made) noexcept { push(tables_, &made); }
+  table* tables() const noexcept { return tables_.load(std::memory_order_acquire); }  // (14)
+
+  runtime::collection<Env> collection;
+
+ private:
+  ~domain_state() {
+    for (table* t = tables(); t != nullptr;) {
+      table* const next = t->next;
+      delete t;
+      t = next;
+    }
+    for (record* r = records_.load(std::memory_order_relaxed); r != nullptr;) {  // (14) alone here.
+      record* const next = r->next;
+      delete r;
+      r = next;
+    }
+  }
+  template <class Node>
+  static void push(atomic<Node*>& list, Node* made) noexcept {
+    Node* first = list.load(std::memory_order_relaxed);  // (14) a guess.
+    do {
+      made->next = first;
+    } while (!list.compare_exchange_weak(
+        first, made, std::memory_order_release,  // (14) publishes the node to who walks the list.
+        std::memory_order_relaxed));             // (14) a guess.
+  }
+
+  alignas(cache_line) atomic<std::uint64_t> epoch_{1};
+  alignas(cache_line) atomic<record*> records_{nullptr};
+  atomic<table*> tables_{nullptr};
+  atomic<std::size_t> records_made_{0};
+  atomic<std::size_t> references_{1};
+};
+
+/// The state of the default domain: made on first use, never destroyed.
+template <class Env>
+domain_state<Env>& default_state() {
+  static domain_state<Env>& forever = *new domain_state<Env>;
+  return forever;
+}
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc
+// ---- slamgc/detail/note_list.hpp ----
+/// @file
+/// A queue whose memory can run out without harm.
+
+#include <new>
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// Filled by one thread, then emptied in the same order, then filled again. The first few notes fit into
+/// the list itself, so that work goes on when there is no memory. Blocks are freed as they are emptied, all
+/// but one.
+template <class Note>
+class note_list {
+ public:
+  note_list() noexcept { start_over(); }
+  ~note_list() {
+    delete kept_;
+    while (near_.next != nullptr) delete unlink_first();
+  }
+  note_list(const note_list&) = delete;
+  note_list& operator=(const note_list&) = delete;
+
+  [[nodiscard]] bool empty() const noexcept { return taken_ == added_; }
+
+  /// False if there is no memory: nothing has changed then.
+  [[nodiscard]] bool add(const Note& note) noexcept {
+    if (added_ == room_ && !grow()) return false;
+    *added_++ = note;
+    return true;
+  }
+
+  /// A note that take() may return a few calls later, for a prefetch; or one that was taken long ago, or null.
+  const Note* soon() const noexcept { return filled_ - taken_ > 8 ? taken_ + 8 : nullptr; }
+
+  /// Takes the oldest; not of an empty list.
+  Note take() noexcept {
+    if (taken_ == filled_) next_block();
+    const Note note = *taken_++;
+    if (taken_ == added_) start_over();
+    return note;
+  }
+
+ private:
+  struct far_block;
+  struct link {
+    far_block* next = nullptr;
+  };
+  template <std::size_t Size>
+  struct block : link {
+    Note notes[Size]{};
+  };
+  static constexpr std::size_t near_size = 32;
+  static constexpr std::size_t far_size = 1023;
+  struct far_block : block<far_size> {};
+
+  __attribute__((noinline)) bool grow() noexcept {
+    far_block* const more = kept_ != nullptr ? kept_ : new (std::nothrow) far_block{};
+    if (more == nullptr) return false;
+    kept_ = nullptr;
+    more->next = nullptr;
+    last_->next = more;
+    last_ = more;
+    added_ = more->notes;
+    room_ = more->notes + far_size;
+    return true;
+  }
+  /// The notes that are taken now are used up, and there are others.
+  __attribute__((noinline)) void next_block() noexcept {
+    if (in_far_block_) free_first();
+    in_far_block_ = true;
+    taken_ = near_.next->notes;
+    filled_ = taken_ + far_size;
+  }
+  void start_over() noexcept {
+    while (near_.next != nullptr) free_first();
+    last_ = &near_;
+    taken_ = added_ = near_.notes;
+    filled_ = room_ = near_.notes + near_size;
+    in_far_block_ = false;
+  }
+  far_block* unlink_first() noexcept {
+    far_block* const first = near_.next;
+    near_.next = first->next;
+    return first;
+  }
+  void free_first() noexcept {
+    far_block* const first = unlink_first();
+    delete kept_;
+    kept_ = first;
+  }
+
+  Note* taken_;
+  Note* filled_;  // the end of the block that notes are taken from
+  Note* added_;
+  Note* room_;  // the end of the block that notes are added to
+  link* last_;
+  far_block* kept_ = nullptr;
+  bool in_far_block_;
+  block<near_size> near_;
+};
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// An address for each type.
+template <class T>
+inline constexpr char type_key = 0;
+
+template <class T>
+class zero_count_table final : public runtime::table_base<typename policy_of<T>::env> {
+  using env = typename policy_of<T>::env;
+  using base = runtime::table_base<env>;
+  using policy = policy_of<T>;
+  using typename base::door;
+
+ public:
+  explicit zero_count_table(const runtime::domain_state<env>& of) noexcept
+      : base(of, &type_key<T>, slamgc::detail::type_name<T>::get(), sizeof(T)) {}
+
+  /// The table of T in @p domain, or null.
+  static zero_count_table* find(const runtime::domain_state<env>& domain) noexcept {
+    return static_cast<zero_count_table*>(domain.find(&type_key<T>));
+  }
+  /// The table of T in @p domain. Throws std::bad_alloc, the first time.
+  static zero_count_table& in(runtime::domain_state<env>& domain) {
+    zero_count_table* found = find(domain);
+    if (found == nullptr) {
+      found = new zero_count_table(domain);
+      domain.add(*found);
+    }
+    return *found;
+  }
+  /// The table of an object that is not queued.
+  static zero_count_table* of(const T& object) noexcept {
+    auto& link = access::header_of(object).link;
+    // (13) stored by the object's constructor, or before it left the table.
+    return static_cast<zero_count_table*>(link.load(std::memory_order_relaxed));
+  }
+
+  /// Takes in an object whose `queued` flag the caller has just set. Lock-free; never allocates.
+  void push(T* object) noexcept {
+    runtime::participant<env>* me;
+    door& at = this->my_door(me);
+    push(object, at, me);
+  }
+  /// The same, where the caller knows the door.
+  void push(T* object, door& at, runtime::participant<env>* me) noexcept {
+    auto& link = access::header_of(*object).link;
+    base::add(at, &door::entered);
+    if (me == nullptr || !me->keeps_chains()) {
+      at.push(object, link);
+      return;
+    }
+    link.store(at.chain, std::memory_order_relaxed);  // (11)
+    if (at.chain == nullptr) {
+      at.chain_end = &link;
+      at.next_pending = me->pending;
+      me->pending = &at;
+    }
+    at.chain = object;
+  }
+
+  runtime::progress note(runtime::work_limit<env>& limit, std::size_t& noted) noexcept override {
+    for (;;) {
+      while (taken_ != nullptr) {
+        auto& header = access::header_of(*taken_);
+        if (!notes_.add({taken_, policy::load(header.state)})) return runtime::progress::no_memory;
+        ++noted;
+        taken_ = static_cast<T*>(header.link.load(std::memory_order_relaxed));  // (11)
+        if (!limit.spend()) return runtime::progress::limit;
+      }
+      if (at_door_ == base::doors) break;
+      taken_ = static_cast<T*>(this->doors_[at_door_++].take());
+    }
+    at_door_ = 0;
+    return runtime::progress::done;
+  }
+
+  runtime::progress decide(runtime::work_limit<env>& limit,
+                           std::size_t& reclaimed) noexcept override {
+    std::size_t left = 0;
+    std::size_t destroyed = 0;
+    bool more = true;
+    limit.other_objects();
+    for (; more && !notes_.empty(); more = limit.spend()) {
+      if (const entry* const soon = notes_.soon()) __builtin_prefetch(soon->object, 1);
+      const entry e = notes_.take();
+      ++left;
+      if (!is_dead(e)) continue;
+      // The destructor may do anything, push objects of this type included.
+      destroy_object(e.object);
+      ++destroyed;
+    }
+    base::add(this->left_, left);
+    base::add(this->reclaimed_, destroyed);
+    base::add(this->doors_[base::collectors_door].ended, destroyed);
+    reclaimed += destroyed;
+    return more ? runtime::progress::done : runtime::progress::limit;
+  }
+
+ private:
+  struct entry {
+    T* object;
+    std::uint64_t noted;
+  };
+
+  /// Else the object is where it belongs afterwards.
+  bool is_dead(const entry& e) noexcept {
+    auto& header = access::header_of(*e.object);
+    std::uint64_t now = policy::load(header.state);
+    for (;;) {
+      const state_word w{now};
+      if (w.count() == 0) {
+        if (w.same_references({e.noted})) return true;
+        push(e.object);
+        return false;
+      }
+      // (13) published by clearing the flag: compare_exchange (6) releases.
+      header.link.store(this, std::memory_order_relaxed);
+      if (policy::compare_exchange(header.state, now, now & ~state_word::queued_flag)) return false;
+    }
+  }
+
+  // The collector's:
+  note_list<entry> notes_;
+  T* taken_ = nullptr;       // what is left of a door's stack
+  std::size_t at_door_ = 0;  // the next door
+};
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/domain.hpp ----
+/// @file
+/// Domains: what objects, threads and collectors share; grace periods; collecting.
+///
+/// **States.** The domain has an epoch, a number that only grows. Each mutator has a record: 0 while it
+/// is offline, else an epoch that it read at its last quiescent state.
+///
+/// **Grace period.** A collector advances the epoch to `g`. The grace period is over when each record is
+/// 0 or at least `g`.
+///
+/// **Argument.** Let a reference be unlinked before the collector advances the epoch. A mutator with a
+/// record of `g` or more has *read* that epoch, which the collector wrote after the unlinking: what the
+/// mutator reads from then on cannot be the unlinked pointer, and what it had borrowed before, it gave
+/// up. A mutator that was offline when the collector looked changes the epoch, by a read-modify-write,
+/// before it reads anything: either after the collector's advance, and it sees the unlinking; or before
+/// it, and the collector, whose advance is a read-modify-write too, sees its record. So when the grace
+/// period is over nobody has a pointer that was borrowed through the unlinked reference.
+///
+/// Quiescent-state-based reclamation: Hart, McKenney, Brown and Walpole 2007. Orders:
+/// docs/memory-model.md.
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// What objects, threads and collectors share: one per SLAM system.
+///
+/// An object belongs to the domain that is current on the thread that makes it: that of its innermost
+/// mutator, or default_domain() on a thread that has none. While destructors run in collect(), the current
+/// domain is the one that collects.
+///
+/// Thread-safety: unless they say otherwise, operations may be called by any thread at any time. None waits for a
+/// grace period except synchronize() and drain(). After fork() the child has the mutators of threads that it does
+/// not have: it must not use the domain.
+template <class Env>
+class basic_domain {
+ public:
+  /// An empty domain. Throws std::bad_alloc.
+  basic_domain() : state_(new runtime::domain_state<Env>) {}
+  /// Reclaims what nobody can see. If objects are left, their number and types are printed to the
+  /// standard error stream; they stay valid, and are not reclaimed any more. No other thread may be
+  /// collecting; mutators may outlive it.
+  ~basic_domain() {
+    (void)state_->collection.collect(*state_, {});
+    for (table* t = state_->tables(); t != nullptr; t = t->next)
+      if (const std::uint64_t live = t->live())
+        std::fprintf(stderr, "slamgc: a domain ends while %llu objects of type %s exist\n",
+                     static_cast<unsigned long long>(live), t->type_name);
+    state_->release();
+  }
+  basic_domain(const basic_domain&) = delete;
+  basic_domain& operator=(const basic_domain&) = delete;
+
+  /// Reclaims, within @p limit, what nobody can see any more. Never waits.
+  ///
+  /// Destructors run on the calling thread, outside of any lock; they may retire, make and count objects, and
+  /// call collect(), which does nothing then. One thread collects at a time. Objects that enter while a grace period
+  /// is open wait for the next one. O(objects handled + types + mutators).
+  collected collect(budget limit = {}) noexcept {
+    if (never_reclaims()) {
+      SLAMGC_ASSERT(false, (misuse{"collects on a thread that never reclaims", "domain", this, 0}));
+      state_->collection.refuse();
+      return {outcome::refused, 0};
+    }
+    return state_->collection.collect(*state_, limit);
+  }
+
+  /// Waits for a grace period: afterwards nobody holds a pointer that was borrowed through a reference
+  /// which was unlinked before.
+  [[nodiscard]] waited synchronize(
+      std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) noexcept {
+    if (is_online() || is_collecting()) return waited::refused;
+    const std::uint64_t target = state_->advance();
+    return wait(timeout, [&] { return state_->behind(target) == nullptr; });
+  }
+
+  /// Collects until nothing waits any more, and waits for the grace periods that this takes.
+  [[nodiscard]] waited drain(
+      std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) noexcept {
+    if (is_online() || is_collecting()) return waited::refused;
+    bool refused = false;
+    const waited result = wait(timeout, [&] {
+      const outcome now = collect().result;
+      refused = now == outcome::refused;
+      return refused || now == outcome::done;
+    });
+    return refused ? waited::refused : result;
+  }
+
+  /// The numbers of now. Exact while no thread changes them. Throws std::bad_alloc. O(types + mutators).
+  [[nodiscard]] domain_stats stats() const {
+    using door = runtime::table_door<Env>;
+    domain_stats all;
+    for (table* t = state_->tables(); t != nullptr; t = t->next) {
+      type_stats s;
+      s.type = t->type_name;
+      s.object_size = t->object_size;
+      s.created = t->sum(&door::created);
+      s.live = t->live();
+      s.retired = t->sum(&door::retired);
+      s.reclaimed = t->reclaimed();
+      s.backlog = t->backlog();
+      all.types.push_back(s);
+    }
+    const auto& collection = state_->collection;
+    for (auto* r = state_->first_record(); r != nullptr; r = r->next) {
+      if (!r->taken.load(std::memory_order_relaxed)) continue;            // (12)
+      const std::uint64_t at = r->epoch.load(std::memory_order_relaxed);  // (12)
+      mutator_stats m;
+      m.name = r->name.load(std::memory_order_relaxed);  // (12)
+      m.online = at != record::offline;
+      m.delays = m.online && at < collection.open();
+      all.mutators.push_back(m);
+    }
+    all.delayed = collection.delayed(*state_);
+    all.grace_periods = collection.grace_periods();
+    all.longest_collect = collection.longest();
+    all.refused_collects = collection.refused();
+    return all;
+  }
+
+  /// Whom reclamation waits for, and how much. Allocates nothing. O(types + mutators).
+  [[nodiscard]] delay delayed() const noexcept { return state_->collection.delayed(*state_); }
+
+  /// Calls @p hook in collect(), on its thread, whenever it ends because it waits for a mutator while more
+  /// than @p limit objects wait. It must not throw. Not to be called while another thread collects.
+  void on_backlog(std::uint64_t limit, void (*hook)(const delay&, void* context),
+                  void* context = nullptr) noexcept {
+    state_->collection.on_backlog(limit, hook, context);
+  }
+
+ private:
+  using outcome = collected::outcome;
+  using clock = runtime::clock_of<Env>;
+  using table = runtime::table_base<Env>;
+  using record = runtime::mutator_record<Env>;
+  using participant = runtime::participant<Env>;
+  using participants = runtime::participants<Env>;
+
+  friend struct detail::domain_access;
+  explicit basic_domain(runtime::domain_state<Env>& shared) noexcept : state_(&shared) {}
+
+  bool is_online() const noexcept {
+    return participants::any_in(*state_, [](const participant& p) { return p.online; });
+  }
+  bool is_collecting() const noexcept {
+    return participants::any_in(*state_, [](const participant& p) { return p.record == nullptr; });
+  }
+  static bool never_reclaims() noexcept {
+    for (auto* p = participants::of_this_thread().innermost; p != nullptr; p = p->outer)
+      if (p->never_reclaim) return true;
+    return false;
+  }
+
+  template <class Condition>
+  static waited wait(std::chrono::nanoseconds timeout, Condition condition) noexcept {
+    constexpr std::chrono::nanoseconds longest_pause = std::chrono::milliseconds(1);
+    constexpr std::chrono::nanoseconds step{100};
+    const auto begin = clock::now();
+    for (std::chrono::nanoseconds pause{0}; !condition(); pause += pause / 2 + step) {
+      if (clock::now() - begin >= timeout) return waited::timed_out;
+      if (pause > longest_pause) pause = longest_pause;
+      clock::pause(pause);
+    }
+    return waited::done;
+  }
+
+  runtime::domain_state<Env>* const state_;
+};
+
+namespace detail {
+
+struct domain_access {
+  template <class Env>
+  static runtime::domain_state<Env>& state_of(const basic_domain<Env>& domain) noexcept {
+    return *domain.state_;
+  }
+  template <class Env>
+  static basic_domain<Env>& shared() {
+    static basic_domain<Env>& forever = *new basic_domain<Env>(runtime::default_state<Env>());
+    return forever;
+  }
+};
+
+}  // namespace detail
+
+/// The domain of threads that have no mutator. Made on first use, never destroyed: the destructors of
+/// static objects may use it. One per process, in shared libraries too, unless one of them is loaded by `dlopen`
+/// with RTLD_LOCAL or linked with -Bsymbolic: those need a domain that is handed to them.
+template <class Env>
+[[nodiscard]] basic_domain<Env>& basic_default_domain() {
+  return detail::domain_access::shared<Env>();
+}
+/// The default domain of ordinary programs.
+[[nodiscard]] inline domain& default_domain() { return basic_default_domain<std_env>(); }
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/rc_object.hpp ----
+/// @file
+/// The base class of every counted object.
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// Base class of counted objects: `class KeyFrame : public slamgc::rc_object<KeyFrame>`.
+///
+/// Adds a header of 16 bytes (56 with `mutex_counter`): the state word and a link by which a
+/// collector queues the object without allocating. It adds no virtual function, no operator new or
+/// delete, and asks for no more than the alignment of a pointer. A copy of an object is a new object
+/// with a count of zero; assignment leaves both counts alone.
+///
+/// An object made by plain `new` has a count of zero and is nobody's: it belongs to the program
+/// until its first reference is stored.
+///
+/// @tparam T         The class that derives from this one. It is deleted as a `T`, so classes
+///                   derived from `T` need a virtual destructor there.
+/// @tparam Policy    How the count is changed; see basic_fetch_add_counter for the concept.
+/// @tparam Reclaimer What happens when the count falls to zero; see reclaim_at_zero
+///                   for the concept.
+///
+/// Thread-safety: counts may be changed by any thread at any time, except under `unsync_counter`.
+template <class T, class Policy, class Reclaimer>
+class rc_object {
+  static_assert(detail::has_storage<Policy>::value,
+                "slamgc: the counter policy needs the types `env` and `storage` (default "
+                "constructible); see basic_fetch_add_counter in slamgc/counter.hpp");
+  static_assert(
+      !detail::has_storage<Policy>::value || detail::has_word_operations<Policy>::value,
+      "slamgc: the counter policy needs load, add, subtract (returning std::uint64_t) and "
+      "compare_exchange (returning bool); see basic_fetch_add_counter in "
+      "slamgc/counter.hpp");
+
+ public:
+  /// References to this object that are counted now; more than 2^29 mean that the count overflowed.
+  ///
+  /// When it returns 1 to the holder of that one reference, everything that was done under the other
+  /// references happened before: the object may be changed without a lock.
+  [[nodiscard]] std::uint32_t use_count() const noexcept { return state().count(); }
+
+  /// A snapshot of the state word.
+  [[nodiscard]] state_word state() const noexcept {
+    return detail::transitions<Policy>::load(header_.state);
+  }
+
+  /// For `boost::intrusive_ptr<T>`, which can hold these objects too: adds a reference.
+  friend void intrusive_ptr_add_ref(const T* p) noexcept { detail::add_reference(p); }
+  /// For `boost::intrusive_ptr<T>`, which can hold these objects too: removes a reference.
+  friend void intrusive_ptr_release(const T* p) noexcept { detail::drop_reference(p); }
+
+ protected:
+  /// Starts with a count of zero.
+  rc_object() noexcept(noexcept(Reclaimer::template first_link<T>())) {
+    // (8) nobody else knows the object yet.
+    header_.link.store(Reclaimer::template first_link<T>(), std::memory_order_relaxed);
+  }
+  /// A copy is a new object: it starts with a count of zero.
+  rc_object(const rc_object&) noexcept(noexcept(rc_object())) : rc_object() {}
+  /// References belong to the object, not to its value: nothing changes.
+  rc_object& operator=(const rc_object&) noexcept { return *this; }
+  /// Checks that nobody refers to the object.
+  ~rc_object() {
+    SLAMGC_ASSERT(use_count() == 0, (misuse{"destroys an object that is still referred to",
+                                            detail::type_name<T>::get(), this, use_count()}));
+    if constexpr (detail::has_last_link<Reclaimer, T>::value) {
+      void* const link = header_.link.load(std::memory_order_relaxed);  // (8)
+      if (link == &header_) return;
+      SLAMGC_ASSERT(!state().is_queued(), (misuse{"deletes an object that a collector holds",
+                                                  detail::type_name<T>::get(), this, 0}));
+      if (!state().is_queued()) Reclaimer::template last_link<T>(link);
+    }
+  }
+
+ private:
+  friend struct detail::access;
+  mutable detail::header<Policy> header_;
+};
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+namespace detail {
+
+/// Where new objects of T on this thread belong, as it was found the last time.
+template <class T>
+struct current_place {
+  using env = typename policy_of<T>::env;
+
+  std::uint64_t key;  // of the thread's innermost part, and one more
+  zero_count_table<T>* table;
+  runtime::table_door<env>* door;
+
+  /// Throws std::bad_alloc, the first time in a domain.
+  static const current_place& get() {
+    current_place& last = env::template thread_record<current_place>();
+    const runtime::participants<env>& now = runtime::participants<env>::of_this_thread();
+    if (__builtin_expect(last.key != now.current + 1, false)) last.find(now);
+    return last;
+  }
+
+ private:
+  __attribute__((noinline)) void find(const runtime::participants<env>& now) {
+    const runtime::participant<env>* const me = now.innermost;
+    table = &zero_count_table<T>::in(
+        me != nullptr ? *me->domain : domain_access::state_of(basic_default_domain<env>()));
+    runtime::participant<env>* ignored;
+    door = &table->my_door(ignored);
+    key = now.current + 1;
+  }
+};
+
+/// The table of T in the domain of the thread's innermost part, if there are both: for who must not throw.
+template <class T>
+zero_count_table<T>* known_table() noexcept {
+  const auto* const me =
+      runtime::participants<typename policy_of<T>::env>::of_this_thread().innermost;
+  return me != nullptr ? zero_count_table<T>::find(*me->domain) : nullptr;
+}
+
+/// Whether the calling thread may have borrowed from @p domain: it takes part there, or borrows nowhere.
+template <class Env>
+bool may_borrow_from(const runtime::domain_state<Env>& domain) noexcept {
+  using all = runtime::participants<Env>;
+  return all::borrower() == nullptr ||
+         all::any_in(domain, [](const runtime::participant<Env>&) { return true; });
+}
+
+/// What both reclaimers do. `AtZero`: an object that was not retired is reclaimed, too.
+struct deferred_base {};
+template <bool AtZero>
+struct deferred : deferred_base {
+  /// Removes a reference. An object that nobody refers to waits for a collector. Lock-free; never
+  /// allocates, destroys or fails.
+  template <class T>
+  static void release(T* object) noexcept {
+    using policy = policy_of<T>;
+    auto& state = access::header_of(*object).state;
+    std::uint64_t now = policy::load(state);
+    for (;;) {
+      const state_word w{now};
+      SLAMGC_ASSERT(w.count() != 0,
+                    (misuse_of(object, "removes a reference that was never counted")));
+      if (w.count() == 0 || w.is_saturated()) return;
+      // The fall to zero and `queued` are one change. Between two, a collector could bring the object through
+      // the table and free it, and this thread, if it is no mutator, would touch it afterwards.
+      const bool enters = w.count() == 1 && !w.is_queued() && (AtZero || w.is_retired());
+      const std::uint64_t then =
+          now - state_word::count_unit + (enters ? state_word::queued_flag : 0);
+      if (policy::compare_exchange(state, now, then)) {
+        if (enters) zero_count_table<T>::of(*object)->push(object);
+        return;
+      }
+    }
+  }
+
+  /// The table of the object's type in the current domain. Throws std::bad_alloc, the first time.
+  template <class T>
+  static void* first_link() {
+    const auto& here = current_place<T>::get();
+    here.table->add(*here.door, &runtime::table_door<typename policy_of<T>::env>::created);
+    return here.table;
+  }
+  /// The program itself deletes an object, which has to be in no table.
+  template <class T>
+  static void last_link(void* table) noexcept {
+    using env = typename policy_of<T>::env;
+    auto& mine = *static_cast<zero_count_table<T>*>(table);
+    runtime::participant<env>* ignored;
+    mine.add(mine.my_door(ignored), &runtime::table_door<env>::ended);
+  }
+
+  /// Nothing is destroyed while a count changes, so there is nothing to hold back.
+  template <class T>
+  struct scope {
+    scope() noexcept {}  ///< Does nothing.
+  };
+};
+
+}  // namespace detail
+
+/// Reclaimer: an object whose count falls to zero is destroyed by a collector of its domain, once no
+/// mutator can have a borrowed pointer to it, unless a reference was added meanwhile. So is an object
+/// that was retired and that nobody refers to.
+struct reclaim_deferred : detail::deferred<true> {};
+
+/// Reclaimer: as reclaim_deferred, but only what was retired is destroyed (ORB-SLAM's `isBad`). An object
+/// that nobody refers to and that was not retired stays.
+///
+/// With mutators, this is the retire set of the thesis (chapter 4.3): retire() puts the object into the set,
+/// and collect() at the end of culling is the scan.
+struct reclaim_retired : detail::deferred<false> {};
+
+/// Declares *p dead: it is destroyed once its count is zero and no mutator can have a borrowed
+/// pointer to it. Objects that were never counted, too. Returns false if it was retired before, and does
+/// nothing then.
+///
+/// By an online mutator of the object's domain, or by a thread that keeps a counted reference and is no mutator of
+/// another domain only. Lock-free; never allocates or destroys.
+template <class T>
+bool retire(T* p) noexcept {
+  static_assert(std::is_base_of<detail::deferred_base, detail::reclaimer_of<T>>::value,
+                "slamgc: only objects with a deferred reclaimer can be retired");
+  using policy = detail::policy_of<T>;
+  using env = typename policy::env;
+  using object = detail::object_of<T>;
+  using table_type = detail::zero_count_table<object>;
+  auto& state = detail::access::header_of(*p).state;
+  std::uint64_t now = policy::load(state);
+  for (;;) {
+    const state_word w{now};
+    if (w.is_retired()) return false;
+    const bool enters = w.count() == 0 && !w.is_queued();
+    // While the object is queued its link names no table: it is counted as one of the current domain, which
+    // is its own unless the thread lives by a counted reference.
+    auto* const table = w.is_queued() ? detail::known_table<object>() : table_type::of(*p);
+    const std::uint64_t then =
+        now | state_word::retired_flag | (enters ? state_word::queued_flag : 0);
+    if (!policy::compare_exchange(state, now, then)) continue;
+    if (table == nullptr) return true;
+    SLAMGC_ASSERT(detail::may_borrow_from(table->domain),
+                  (misuse{"retires an object of another domain than the thread's",
+                          detail::type_name<T>::get(), p, w.count()}));
+    runtime::participant<env>* me;
+    auto& door = table->my_door(me);
+    table->add(door, &runtime::table_door<env>::retired);
+    if (enters) table->push(p, door, me);
+    return true;
+  }
+}
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/intrusive_rc.hpp ----
+/// @file
+/// The counted pointer for locals, parameters and roots.
+
+#include <iosfwd>
+#include <typeindex>  // the smallest header with std::hash
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// Whether an `intrusive_rc<T>` converts to `T*` without being asked, as existing code may need.
+///
+/// Off unless the program says, after the type's declaration:
+/// `template <> inline constexpr bool slamgc::implicit_to_raw<KeyFrame> = true;`
+template <class T>
+inline constexpr bool implicit_to_raw = false;
+
+/// Counted pointer: while it exists, the object does.
+///
+/// Everything that `boost::intrusive_ptr` offers is here under the same name. It is as large as a
+/// pointer, allocates nothing, and a move costs no count. For a member of an object use rc_slot,
+/// which several threads may assign.
+///
+/// Thread-safety: that of a plain pointer. Different intrusive_rc to one object may be used by
+/// different threads. Every operation is O(1), apart from what a destructor does when the last
+/// reference goes. Misuse is reported through SLAMGC_ASSERT.
+template <class T>
+class intrusive_rc {
+ public:
+  /// What it points to.
+  using element_type = T;
+
+  /// Null.
+  constexpr intrusive_rc() noexcept = default;
+  /// Null. A template, so that `NULL` and `0` are taken as pointers.
+  template <class Null, class = std::enable_if_t<std::is_same<Null, std::nullptr_t>::value>>
+  constexpr intrusive_rc(Null) noexcept {}
+  /// Refers to @p p; takes over a reference that is already counted if @p add_ref is false.
+  intrusive_rc(T* p, bool add_ref = true) noexcept : p_(p) {
+    if (add_ref) {
+      detail::add_reference(p_);
+    } else {
+      SLAMGC_ASSERT(p_ == nullptr || (detail::count_of(p_) != 0 && !detail::is_dying(p_)),
+                    (detail::misuse_of(p_, "adopts a reference that nobody counted")));
+    }
+  }
+  /// Another reference to the same object.
+  intrusive_rc(const intrusive_rc& other) noexcept : p_(other.p_) { detail::add_reference(p_); }
+  /// Takes over the reference of @p other, which becomes null.
+  intrusive_rc(intrusive_rc&& other) noexcept : p_(std::exchange(other.p_, nullptr)) {}
+  /// Another reference to the same object, as its base or as const.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  intrusive_rc(const intrusive_rc<U>& other) noexcept : p_(other.get()) {
+    detail::add_reference(p_);
+  }
+  /// Takes over the reference of @p other, as its base or as const.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  intrusive_rc(intrusive_rc<U>&& other) noexcept : p_(other.detach()) {}
+  /// A reference to what a slot refers to.
+  template <class U, class Env, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  intrusive_rc(const rc_slot<U, Env>& slot) noexcept : intrusive_rc(slot.get()) {}
+  /// Gives its reference up.
+  ~intrusive_rc() { detail::drop_reference(p_); }
+
+  /// Refers to the same object as @p other.
+  intrusive_rc& operator=(const intrusive_rc& other) noexcept {
+    intrusive_rc(other).swap(*this);
+    return *this;
+  }
+  /// Takes over the reference of @p other, which becomes null.
+  intrusive_rc& operator=(intrusive_rc&& other) noexcept {
+    intrusive_rc(std::move(other)).swap(*this);
+    return *this;
+  }
+  /// Refers to the same object as @p other, as its base or as const.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  intrusive_rc& operator=(const intrusive_rc<U>& other) noexcept {
+    intrusive_rc(other).swap(*this);
+    return *this;
+  }
+  /// Takes over the reference of @p other, as its base or as const.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  intrusive_rc& operator=(intrusive_rc<U>&& other) noexcept {
+    intrusive_rc(std::move(other)).swap(*this);
+    return *this;
+  }
+  /// Refers to @p p.
+  intrusive_rc& operator=(T* p) noexcept {
+    intrusive_rc(p).swap(*this);
+    return *this;
+  }
+
+  /// Refers to what @p slot refers to.
+  template <class U, class Env, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  intrusive_rc& operator=(const rc_slot<U, Env>& slot) noexcept {
+    intrusive_rc(slot.get()).swap(*this);
+    return *this;
+  }
+
+  /// Takes over a reference that detach() gave up and is still counted.
+  [[nodiscard]] static intrusive_rc adopt(T* p) noexcept { return intrusive_rc(p, false); }
+
+  /// Becomes null.
+  void reset() noexcept { intrusive_rc().swap(*this); }
+  /// Refers to @p p; takes over a reference that is already counted if @p add_ref is false.
+  void reset(T* p, bool add_ref = true) noexcept { intrusive_rc(p, add_ref).swap(*this); }
+
+  /// The pointer.
+  [[nodiscard]] constexpr T* get() const noexcept { return p_; }
+  /// Becomes null and leaves its reference counted: the caller owns it now.
+  T* detach() noexcept { return std::exchange(p_, nullptr); }
+  /// The object. Not for a null pointer.
+  [[nodiscard]] constexpr T& operator*() const noexcept { return *p_; }
+  /// The object's members. Not for a null pointer.
+  [[nodiscard]] constexpr T* operator->() const noexcept { return p_; }
+  /// Whether it refers to an object.
+  [[nodiscard]] constexpr explicit operator bool() const noexcept { return p_ != nullptr; }
+  /// The pointer, as its base or as const, without being asked, for types that opted in; see
+  /// implicit_to_raw.
+  template <class U, class = std::enable_if_t<std::is_convertible<T*, U*>::value &&
+                                              implicit_to_raw<std::remove_cv_t<T>>>>
+  [[nodiscard]] constexpr operator U*() const noexcept {
+    return p_;
+  }
+
+  /// Exchanges two references; no count changes.
+  void swap(intrusive_rc& other) noexcept { std::swap(p_, other.p_); }
+
+ private:
+  T* p_ = nullptr;
+};
+
+/// Makes an object and its first reference. Throws what the allocation or the constructor throws.
+template <class T, class... Args>
+[[nodiscard]] intrusive_rc<T> make_rc(Args&&... args) {
+  return intrusive_rc<T>(new T(std::forward<Args>(args)...));
+}
+
+/// Exchanges two references; no count changes.
+template <class T>
+void swap(intrusive_rc<T>& a, intrusive_rc<T>& b) noexcept {
+  a.swap(b);
+}
+
+/// The pointer, for generic code such as `boost::mem_fn`.
+template <class T>
+[[nodiscard]] constexpr T* get_pointer(const intrusive_rc<T>& p) noexcept {
+  return p.get();
+}
+
+// Casts. Those from an rvalue take the reference over.
+
+/// static_cast of the pointer.
+template <class T, class U>
+[[nodiscard]] intrusive_rc<T> static_pointer_cast(const intrusive_rc<U>& p) noexcept {
+  return static_cast<T*>(p.get());
+}
+/// static_cast of the pointer.
+template <class T, class U>
+[[nodiscard]] intrusive_rc<T> static_pointer_cast(intrusive_rc<U>&& p) noexcept {
+  return intrusive_rc<T>(static_cast<T*>(p.detach()), false);
+}
+/// const_cast of the pointer.
+template <class T, class U>
+[[nodiscard]] intrusive_rc<T> const_pointer_cast(const intrusive_rc<U>& p) noexcept {
+  return const_cast<T*>(p.get());
+}
+/// const_cast of the pointer.
+template <class T, class U>
+[[nodiscard]] intrusive_rc<T> const_pointer_cast(intrusive_rc<U>&& p) noexcept {
+  return intrusive_rc<T>(const_cast<T*>(p.detach()), false);
+}
+/// dynamic_cast of the pointer; null if the object is no T.
+template <class T, class U>
+[[nodiscard]] intrusive_rc<T> dynamic_pointer_cast(const intrusive_rc<U>& p) noexcept {
+  return dynamic_cast<T*>(p.get());
+}
+/// dynamic_cast of the pointer; null if the object is no T, and @p p keeps its reference then.
+template <class T, class U>
+[[nodiscard]] intrusive_rc<T> dynamic_pointer_cast(intrusive_rc<U>&& p) noexcept {
+  T* const cast = dynamic_cast<T*>(p.get());
+  if (cast == nullptr) return nullptr;
+  (void)p.detach();
+  return intrusive_rc<T>(cast, false);
+}
+
+// Comparisons: by address, with raw pointers too, without touching a count.
+
+/// Whether both point to the same object.
+template <class T, class U>
+[[nodiscard]] constexpr bool operator==(const intrusive_rc<T>& a,
+                                        const intrusive_rc<U>& b) noexcept {
+  return a.get() == b.get();
+}
+/// Whether they point to different objects.
+template <class T, class U>
+[[nodiscard]] constexpr bool operator!=(const intrusive_rc<T>& a,
+                                        const intrusive_rc<U>& b) noexcept {
+  return a.get() != b.get();
+}
+/// Whether both point to the same object.
+template <class T, class U>
+[[nodiscard]] constexpr bool operator==(const intrusive_rc<T>& a, U* b) noexcept {
+  return a.get() == b;
+}
+/// Whether they point to different objects.
+template <class T, class U>
+[[nodiscard]] constexpr bool operator!=(const intrusive_rc<T>& a, U* b) noexcept {
+  return a.get() != b;
+}
+/// Whether both point to the same object.
+template <class T, class U>
+[[nodiscard]] constexpr bool operator==(T* a, const intrusive_rc<U>& b) noexcept {
+  return a == b.get();
+}
+/// Whether they point to different objects.
+template <class T, class U>
+[[nodiscard]] constexpr bool operator!=(T* a, const intrusive_rc<U>& b) noexcept {
+  return a != b.get();
+}
+/// Whether it is null.
+template <class T>
+[[nodiscard]] constexpr bool operator==(const intrusive_rc<T>& a, std::nullptr_t) noexcept {
+  return a.get() == nullptr;
+}
+/// Whether it is not null.
+template <class T>
+[[nodiscard]] constexpr bool operator!=(const intrusive_rc<T>& a, std::nullptr_t) noexcept {
+  return a.get() != nullptr;
+}
+/// Whether it is null.
+template <class T>
+[[nodiscard]] constexpr bool operator==(std::nullptr_t, const intrusive_rc<T>& a) noexcept {
+  return a.get() == nullptr;
+}
+/// Whether it is not null.
+template <class T>
+[[nodiscard]] constexpr bool operator!=(std::nullptr_t, const intrusive_rc<T>& a) noexcept {
+  return a.get() != nullptr;
+}
+
+namespace detail {
+/// A total order of addresses, also where the built-in `<` gives none; `std::less` is in a large
+/// header.
+template <class T, class U>
+bool address_less(T* a, U* b) noexcept {
+  using common = std::common_type_t<T*, U*>;
+  return reinterpret_cast<std::uintptr_t>(static_cast<common>(a)) <
+         reinterpret_cast<std::uintptr_t>(static_cast<common>(b));
+}
+}  // namespace detail
+
+/// By address.
+template <class T, class U>
+[[nodiscard]] bool operator<(const intrusive_rc<T>& a, const intrusive_rc<U>& b) noexcept {
+  return detail::address_less(a.get(), b.get());
+}
+/// By address.
+template <class T, class U>
+[[nodiscard]] bool operator<(const intrusive_rc<T>& a, U* b) noexcept {
+  return detail::address_less(a.get(), b);
+}
+/// By address.
+template <class T, class U>
+[[nodiscard]] bool operator<(T* a, const intrusive_rc<U>& b) noexcept {
+  return detail::address_less(a, b.get());
+}
+
+/// Prints the address.
+template <class Char, class CharTraits, class T>
+std::basic_ostream<Char, CharTraits>& operator<<(std::basic_ostream<Char, CharTraits>& out,
+                                                 const intrusive_rc<T>& p) {
+  return out << p.get();
+}
+
+/// For `boost::hash`: that of the address.
+template <class T>
+[[nodiscard]] std::size_t hash_value(const intrusive_rc<T>& p) noexcept {
+  return std::hash<T*>()(p.get());
+}
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+/// The hash of the address: equal to that of the raw pointer.
+template <class T>
+struct std::hash<slamgc::intrusive_rc<T>> {
+  /// The hash of the address.
+  [[nodiscard]] std::size_t operator()(const slamgc::intrusive_rc<T>& p) const noexcept {
+    return std::hash<T*>()(p.get());
+  }
+};
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// Like rc_slot, plus load(), which returns a counted reference, and compare-and-exchange: what
+/// `std::atomic<std::shared_ptr<T>>` is, without a lock.
+///
+/// Only for objects with a deferred reclaimer, and load() and compare-and-exchange only on online mutators
+/// of the object's domain: that the pointer read is still an object when it is counted, is what the grace
+/// period is for. (A counted load by a plain load and an increment; the price elsewhere is a hazard pointer
+/// or a lock.)
+///
+/// Thread-safety: any thread at any time. All operations are lock-free and O(1).
+template <class T, class Env>
+class atomic_rc {
+ public:
+  using value_type = intrusive_rc<T>;  ///< What load() returns.
+
+  /// Null.
+  constexpr atomic_rc() noexcept = default;
+  /// Takes over the reference of @p p.
+  explicit atomic_rc(intrusive_rc<T> p) noexcept : p_(moved(p.detach())) {}
+  /// Removes the reference.
+  ~atomic_rc() { store(nullptr); }
+  atomic_rc(const atomic_rc&) = delete;
+  atomic_rc& operator=(const atomic_rc&) = delete;
+
+  /// A reference to what it refers to now. On an online mutator.
+  [[nodiscard]] intrusive_rc<T> load() const noexcept {
+    check_borrower();
+    return intrusive_rc<T>(get());
+  }
+  /// The pointer: borrowed.
+  [[nodiscard]] T* get() const noexcept {
+    return p_.load(std::memory_order_acquire);  // (23) sees the object that (24) published.
+  }
+  /// Takes over the reference of @p p.
+  void store(intrusive_rc<T> p) noexcept { (void)exchange(std::move(p)); }
+  /// Takes over the reference of @p p.
+  atomic_rc& operator=(intrusive_rc<T> p) noexcept {
+    store(std::move(p));
+    return *this;
+  }
+  /// Takes over the reference of @p p and returns the old one.
+  [[nodiscard]] intrusive_rc<T> exchange(intrusive_rc<T> p) noexcept {
+    // (24) as rc_slot's exchange (10).
+    return adopted(p_.exchange(moved(p.detach()), std::memory_order_acq_rel));
+  }
+  /// If it refers to @p expected: takes over the reference of @p desired and returns true. Else writes what
+  /// it refers to, borrowed, into @p expected, and drops @p desired. On an online mutator.
+  bool compare_exchange_strong(T*& expected, intrusive_rc<T> desired) noexcept {
+    return compare_exchange(expected, std::move(desired), [this](T*& e, T* d) {
+      return p_.compare_exchange_strong(e, d, std::memory_order_acq_rel,  // (24)
+                                        std::memory_order_acquire);       // (23)
+    });
+  }
+  /// The same, but it may fail although it refers to @p expected: for loops.
+  bool compare_exchange_weak(T*& expected, intrusive_rc<T> desired) noexcept {
+    return compare_exchange(expected, std::move(desired), [this](T*& e, T* d) {
+      return p_.compare_exchange_weak(e, d, std::memory_order_acq_rel,  // (24)
+                                      std::memory_order_acquire);       // (23)
+    });
+  }
+
+ private:
+  template <class Exchange>
+  static bool compare_exchange(T*& expected, intrusive_rc<T> desired, Exchange exchange) noexcept {
+    check_borrower();
+    T* const old = expected;
+    if (!exchange(expected, moved(desired.get()))) return false;
+    (void)desired.detach();
+    (void)adopted(old);
+    return true;
+  }
+  static T* moved(T* p) noexcept {
+    detail::move_reference(p);
+    return p;
+  }
+  static intrusive_rc<T> adopted(T* p) noexcept { return intrusive_rc<T>(moved(p), false); }
+  static void check_borrower() noexcept {
+    static_assert(
+        std::is_base_of<detail::deferred_base, detail::reclaimer_of<T>>::value,
+        "slamgc: what an atomic_rc refers to needs a deferred reclaimer: another thread could "
+        "destroy it before load() has counted it");
+    SLAMGC_ASSERT(runtime::participants<Env>::borrower() != nullptr,
+                  (misuse{"reads an atomic_rc on a thread that is no online mutator",
+                          detail::type_name<T>::get(), nullptr, 0}));
+  }
+
+  typename Env::template atomic<T*> p_{nullptr};
+};
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/borrow.hpp ----
+/// @file
+/// A borrowed pointer that checks itself.
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// A local `T*` that says that it is borrowed: `slamgc::borrow<KeyFrame> pKF = mpReferenceKF;`.
+///
+/// In the checked flavour each use checks that the thread is an online mutator, the same as when the pointer
+/// was borrowed, and that it has passed no quiescent state since. (Destructors that a collector runs may borrow, too.) In the unchecked flavour it is a pointer and
+/// nothing else. For locals and parameters only: it is larger in the checked flavour.
+///
+/// Thread-safety: it belongs to the thread that made it. Every use is O(mutators of the thread).
+template <class T, class Env>
+class borrow {
+ public:
+  using element_type = T;  ///< What it points to.
+
+  /// Borrows @p p now; null may be borrowed by any thread.
+  borrow(T* p = nullptr) noexcept : p_(p) {
+#if SLAMGC_DEBUG
+    const auto* me = runtime::participants<Env>::borrower();
+    SLAMGC_ASSERT(p == nullptr || me != nullptr,
+                  (misuse{"borrows on a thread that is no online mutator",
+                          detail::type_name<T>::get(), p, 0}));
+    passed_ = me != nullptr ? me->passed : 0;
+#endif
+  }
+  /// Borrows what @p from, a slot or an element of a container, refers to now.
+  template <class U, class = std::enable_if_t<std::is_convertible<const U&, T*>::value &&
+                                              !std::is_same<U, borrow>::value>>
+  borrow(const U& from) noexcept : borrow(static_cast<T*>(from)) {}
+  /// Copies borrow what the original borrowed, since then.
+  borrow(const borrow&) noexcept = default;
+  /// Copies borrow what the original borrowed, since then.
+  borrow& operator=(const borrow&) noexcept = default;
+
+  /// The pointer.
+  [[nodiscard]] T* get() const noexcept {
+    check();
+    return p_;
+  }
+  /// The pointer.
+  operator T*() const noexcept { return get(); }
+  /// The object.
+  T& operator*() const noexcept { return *get(); }
+  /// The object.
+  T* operator->() const noexcept { return get(); }
+
+ private:
+#if SLAMGC_DEBUG
+  void check() const noexcept {
+    if (p_ == nullptr) return;
+    const auto* me = runtime::participants<Env>::of_this_thread().innermost;
+    while (me != nullptr && !(me->may_borrow() && me->passed == passed_)) me = me->outer;
+    SLAMGC_ASSERT(me != nullptr, (misuse{"uses a borrowed pointer after a quiescent state",
+                                         detail::type_name<T>::get(), p_, 0}));
+  }
+  std::uint64_t passed_;
+#else
+  void check() const noexcept {}
+#endif
+  T* p_;
+};
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/containers/rc_list.hpp ----
+/// @file
+/// A list of counted references.
+
+#include <initializer_list>
+#include <list>
+
+// ---- slamgc/detail/counted_container.hpp ----
+/// @file
+/// What all counted containers share: reading, and the ways in which counts follow a change.
+
+#include <memory>
+
+// ---- slamgc/detail/edit_scope.hpp ----
+/// @file
+/// Editing the plain container inside a counted one.
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
@@ -2008,514 +4079,151 @@ class rc_vector
 
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
-// ---- slamgc/intrusive_rc.hpp ----
+// ---- slamgc/mutator.hpp ----
 /// @file
-/// The counted pointer for locals, parameters and roots.
-
-#include <iosfwd>
-#include <typeindex>  // the smallest header with std::hash
-
-// ---- slamgc/rc_object.hpp ----
-/// @file
-/// The base class of every counted object.
-
-// ---- slamgc/reclaim_at_zero.hpp ----
-/// @file
-/// The default reclaimer: an object is destroyed as soon as its count falls to zero.
+/// Threads that hold borrowed pointers.
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
-/// For reclaimers: uncounts a reference to @p object and returns its state word as it was before.
-///
-/// Wait-free under `fetch_add_counter`. Uncounting what was never counted is reported and undone.
-template <class T>
-state_word uncount_reference(T* object) noexcept {
-  const state_word before = detail::transitions<detail::policy_of<T>>::decrement(
-      detail::access::header_of(*object).state);
-  SLAMGC_ASSERT(before.count() != 0,
-                (detail::misuse_of(object, "removes a reference that was never counted")));
-  return before;
-}
-
-/// For reclaimers: runs the destructor and returns the memory, as `delete` does.
-///
-/// References that are made to the object meanwhile are reported.
-template <class T>
-void destroy_object(T* object) noexcept {
-  detail::mark_dying(object);
-  delete object;
-}
-
-namespace detail {
-
-/// Objects of one type that the thread has yet to destroy, linked through their headers.
-struct doomed_list {
-  void* first;
-  doomed_list* next;
-  void (*destroy_first)(doomed_list&) noexcept;
+/// How a mutator registers.
+struct mutator_options {
+  bool online = true;          ///< Begins online; else with its first online_scope.
+  bool never_reclaim = false;  ///< Real-time thread: collect() is refused on it.
 };
 
-/// What one thread has yet to destroy. Objects know nothing of their type at run time, so there is a
-/// list per type.
-struct doomed_record {
-  doomed_list* lists;
-  unsigned scopes;
-};
-
-template <class T>
-struct doomed_list_of : doomed_list {};
-
-}  // namespace detail
-
-/// Reclaimer: destroys an object when its count falls to zero, on the thread that brought it there.
+/// Registers the calling thread with a domain, for as long as it exists.
 ///
-/// Iterative: an object whose last reference goes while another is being destroyed waits in a list
-/// of the thread, so that a chain of a million objects needs no more stack than one. Destructors run
-/// on the thread that drops the last reference and under the locks it holds; a collector that defers
-/// is for programs that cannot have that. An object that is referred to again while it waits stays.
+/// While it is online the thread may hold borrowed pointers: what it read from slots and containers stays
+/// valid until its next quiescent(). It must call that regularly, at a point where it holds none, such as
+/// the end of its loop; or go offline. Its end, by an exception too, delays nobody and loses nothing.
 ///
-/// It is also the example of the concept. A reclaimer is a type with
-/// - `release(T*)`, static and `noexcept`: a reference to the object was unlinked. Uncounts it (with
-///   uncount_reference, or with a transition of its own) and decides what becomes of an object that
-///   nobody refers to; that one's link word is the reclaimer's. It destroys with destroy_object.
-/// - `first_link<T>()`, static: the link word of a new object. May throw.
-/// - `scope<T>`: a container keeps one while it changes; no destructor may run inside, so that none
-///   meets a half-changed container.
-struct reclaim_at_zero {
-  /// Removes a reference; destroys the object if it was the last. Never allocates. Amortised O(1).
-  template <class T>
-  static void release(T* object) noexcept {
-    // Not touched any more if it is queued: the thread that has it may destroy it at once.
-    const state_word before = slamgc::uncount_reference(object);
-    if (before.count() == 1 && !before.is_queued()) destroy_later(object);
-  }
+/// Made, used and destroyed by one thread. A thread may have several, also of different domains, if the
+/// last made is the first destroyed. Registering is O(records ever in use at once); everything else is O(1), plus one
+/// compare-and-swap for each type of which objects entered the table since the last quiescent state.
+template <class Env>
+class basic_mutator {
+ public:
+  using options = mutator_options;  ///< How it registers.
 
-  /// New objects are linked to nothing.
-  template <class T>
-  static void* first_link() noexcept {
-    return nullptr;
+  /// Registers with @p to. @p name is shown in reports; it has to stay valid, as a string literal does.
+  /// Throws std::bad_alloc.
+  basic_mutator(basic_domain<Env>& to, const char* name, options how = {})
+      : record_(detail::domain_access::state_of(to).enter(name)),
+        me_{nullptr,          &detail::domain_access::state_of(to), &record_, record_.door, false,
+            how.never_reclaim},
+        taking_part_(me_) {
+    me_.domain->retain();
+    if (how.online) go_online();
   }
+  /// Registers with default_domain().
+  explicit basic_mutator(const char* name, options how = {})
+      : basic_mutator(basic_default_domain<Env>(), name, how) {}
+  /// The thread holds no borrowed pointer any more.
+  ~basic_mutator() {
+    SLAMGC_ASSERT(
+        runtime::participants<Env>::of_this_thread().innermost == &me_,
+        (misuse{"ends a mutator that is not the thread's innermost", "mutator", this, 0}));
+    go_offline();
+    me_.domain->leave(record_);
+    me_.domain->release();
+  }
+  basic_mutator(const basic_mutator&) = delete;
+  basic_mutator& operator=(const basic_mutator&) = delete;
 
-  /// While a thread has one, nothing is destroyed on it; the end of the outermost one makes up for it.
-  template <class T>
-  class scope {
+  /// The thread holds no borrowed pointer now. A few loads in the common case, and a store when a grace
+  /// period has begun since the last call. Ignored while offline.
+  void quiescent() noexcept {
+    SLAMGC_ASSERT(me_.online, (misuse{"is quiescent while offline", "mutator", this, 0}));
+    if (!me_.online) return;
+    me_.publish();
+    me_.domain->quiescent(record_);
+    me_.pass_quiescent_state();
+  }
+  /// Whether the thread may hold borrowed pointers now.
+  [[nodiscard]] bool is_online() const noexcept { return me_.online; }
+
+  /// The thread holds no borrowed pointer while this exists: for waits, sleeps, and long computations on
+  /// pinned objects.
+  class offline_scope {
    public:
-    /// Holds destruction back.
-    scope() noexcept : thread_(record()) { ++thread_.scopes; }
-    /// Lets it happen, if this is the outermost scope.
-    ~scope() {
-      if (thread_.scopes == 1)
-        while (thread_.lists != nullptr) thread_.lists->destroy_first(*thread_.lists);
-      --thread_.scopes;
+    /// Goes offline, if it is not.
+    explicit offline_scope(basic_mutator& m) noexcept : mutator_(m), was_online_(m.is_online()) {
+      if (was_online_) m.go_offline();
     }
-    scope(const scope&) = delete;
-    scope& operator=(const scope&) = delete;
+    /// Goes online again, if it was.
+    ~offline_scope() {
+      if (was_online_) mutator_.go_online();
+    }
+    offline_scope(const offline_scope&) = delete;
+    offline_scope& operator=(const offline_scope&) = delete;
 
    private:
-    static detail::doomed_record& record() noexcept {
-      return detail::policy_of<T>::env::template thread_record<detail::doomed_record>();
+    basic_mutator& mutator_;
+    const bool was_online_;
+  };
+  /// The thread may hold borrowed pointers while this exists: for a thread that belongs to the caller and
+  /// is offline in between, one scope per frame.
+  class online_scope {
+   public:
+    /// Goes online, if it is not.
+    explicit online_scope(basic_mutator& m) noexcept : mutator_(m), was_online_(m.is_online()) {
+      if (!was_online_) m.go_online();
     }
-    detail::doomed_record& thread_;
+    /// Goes offline again, if it was.
+    ~online_scope() {
+      if (!was_online_) mutator_.go_offline();
+    }
+    online_scope(const online_scope&) = delete;
+    online_scope& operator=(const online_scope&) = delete;
+
+   private:
+    basic_mutator& mutator_;
+    const bool was_online_;
   };
 
  private:
-  template <class T>
-  using word = detail::transitions<detail::policy_of<T>>;
-
-  template <class T>
-  static void destroy_later(T* object) noexcept {
-    using env = typename detail::policy_of<T>::env;
-    auto& header = detail::access::header_of(*object);
-    if (!word<T>::enqueue(header.state)) return;
-    const scope<T> until_listed;
-    auto& list = env::template thread_record<detail::doomed_list_of<T>>();
-    if (list.first == nullptr) {
-      auto& thread = env::template thread_record<detail::doomed_record>();
-      list.destroy_first = &destroy_first<T>;
-      list.next = thread.lists;
-      thread.lists = &list;
-    }
-    // (8) the list belongs to this thread.
-    header.link.store(list.first, std::memory_order_relaxed);
-    list.first = object;
+  void go_online() noexcept {
+    me_.domain->go_online(record_);
+    me_.online = true;
+    me_.pass_quiescent_state();
   }
-
-  template <class T>
-  static void destroy_first(detail::doomed_list& list) noexcept {
-    T* object = static_cast<T*>(list.first);
-    auto& header = detail::access::header_of(*object);
-    // (8) the list belongs to this thread.
-    list.first = header.link.load(std::memory_order_relaxed);
-    if (list.first == nullptr) {  // this list is the thread's first, see ~scope
-      using env = typename detail::policy_of<T>::env;
-      env::template thread_record<detail::doomed_record>().lists = list.next;
-    }
-    // A destructor that ran meanwhile may have referred to the object again.
-    if (!word<T>::dequeue_if_referred_to(header.state)) slamgc::destroy_object(object);
+  void go_offline() noexcept {
+    me_.online = false;
+    me_.publish();
+    me_.domain->go_offline(record_);
   }
+  runtime::mutator_record<Env>& record_;
+  runtime::participant<Env> me_;
+  runtime::participation<Env> taking_part_;
 };
 
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
+// ---- slamgc/pin.hpp ----
+/// @file
+/// Counting what a slow reader needs, so that it can go offline.
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
-/// Base class of counted objects: `class KeyFrame : public slamgc::rc_object<KeyFrame>`.
+/// Keeps one object. A mutator that needs few objects for a long time pins them, goes offline, and delays
+/// nobody.
+template <class T>
+using pin = intrusive_rc<T>;
+
+/// Keeps a set of objects:
 ///
-/// Adds a header of 16 bytes (56 with `mutex_counter`): the state word and a link by which a
-/// collector queues the object without allocating. It adds no virtual function, no operator new or
-/// delete, and asks for no more than the alignment of a pointer. A copy of an object is a new object
-/// with a count of zero; assignment leaves both counts alone.
-///
-/// An object made by plain `new` has a count of zero and is nobody's: it belongs to the program
-/// until its first reference is stored.
-///
-/// @tparam T         The class that derives from this one. It is deleted as a `T`, so classes
-///                   derived from `T` need a virtual destructor there.
-/// @tparam Policy    How the count is changed; see basic_fetch_add_counter for the concept.
-/// @tparam Reclaimer What happens when the count falls to zero; see reclaim_at_zero
-///                   for the concept.
-///
-/// Thread-safety: counts may be changed by any thread at any time, except under `unsync_counter`.
-template <class T, class Policy, class Reclaimer>
-class rc_object {
-  static_assert(detail::has_storage<Policy>::value,
-                "slamgc: the counter policy needs the types `env` and `storage` (default "
-                "constructible); see basic_fetch_add_counter in slamgc/counter.hpp");
-  static_assert(
-      !detail::has_storage<Policy>::value || detail::has_word_operations<Policy>::value,
-      "slamgc: the counter policy needs load, add, subtract (returning std::uint64_t) and "
-      "compare_exchange (returning bool); see basic_fetch_add_counter in "
-      "slamgc/counter.hpp");
-
- public:
-  /// References to this object that are counted now; more than 2^29 mean that the count overflowed.
-  ///
-  /// When it returns 1 to the holder of that one reference, everything that was done under the other
-  /// references happened before: the object may be changed without a lock.
-  [[nodiscard]] std::uint32_t use_count() const noexcept { return state().count(); }
-
-  /// A snapshot of the state word.
-  [[nodiscard]] state_word state() const noexcept {
-    return detail::transitions<Policy>::load(header_.state);
-  }
-
-  /// For `boost::intrusive_ptr<T>`, which can hold these objects too: adds a reference.
-  friend void intrusive_ptr_add_ref(const T* p) noexcept { detail::add_reference(p); }
-  /// For `boost::intrusive_ptr<T>`, which can hold these objects too: removes a reference.
-  friend void intrusive_ptr_release(const T* p) noexcept { detail::drop_reference(p); }
-
- protected:
-  /// Starts with a count of zero.
-  rc_object() noexcept(noexcept(Reclaimer::template first_link<T>())) {
-    // (8) nobody else knows the object yet.
-    header_.link.store(Reclaimer::template first_link<T>(), std::memory_order_relaxed);
-  }
-  /// A copy is a new object: it starts with a count of zero.
-  rc_object(const rc_object&) noexcept(noexcept(rc_object())) : rc_object() {}
-  /// References belong to the object, not to its value: nothing changes.
-  rc_object& operator=(const rc_object&) noexcept { return *this; }
-  /// Checks that nobody refers to the object.
-  ~rc_object() {
-    SLAMGC_ASSERT(use_count() == 0, (misuse{"destroys an object that is still referred to",
-                                            detail::type_name<T>::get(), this, use_count()}));
-  }
-
- private:
-  friend struct detail::access;
-  mutable detail::header<Policy> header_;
-};
+/// ```
+/// const slamgc::pin_set<KeyFrame> keyframes = pMap->GetAllKeyFrames();
+/// const slamgc::mutator::offline_scope offline(mutator);
+/// optimise(keyframes);  // ten seconds; whatever is culled meanwhile is reclaimed, but for these
+/// ```
+template <class T>
+using pin_set = rc_vector<T>;
 
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
-
-namespace slamgc {
-inline namespace SLAMGC_FLAVOUR {
-
-/// Whether an `intrusive_rc<T>` converts to `T*` without being asked, as existing code may need.
-///
-/// Off unless the program says, after the type's declaration:
-/// `template <> inline constexpr bool slamgc::implicit_to_raw<KeyFrame> = true;`
-template <class T>
-inline constexpr bool implicit_to_raw = false;
-
-/// Counted pointer: while it exists, the object does.
-///
-/// Everything that `boost::intrusive_ptr` offers is here under the same name. It is as large as a
-/// pointer, allocates nothing, and a move costs no count. For a member of an object use rc_slot,
-/// which several threads may assign.
-///
-/// Thread-safety: that of a plain pointer. Different intrusive_rc to one object may be used by
-/// different threads. Every operation is O(1), apart from what a destructor does when the last
-/// reference goes. Misuse is reported through SLAMGC_ASSERT.
-template <class T>
-class intrusive_rc {
- public:
-  /// What it points to.
-  using element_type = T;
-
-  /// Null.
-  constexpr intrusive_rc() noexcept = default;
-  /// Null. A template, so that `NULL` and `0` are taken as pointers.
-  template <class Null, class = std::enable_if_t<std::is_same<Null, std::nullptr_t>::value>>
-  constexpr intrusive_rc(Null) noexcept {}
-  /// Refers to @p p; takes over a reference that is already counted if @p add_ref is false.
-  intrusive_rc(T* p, bool add_ref = true) noexcept : p_(p) {
-    if (add_ref) {
-      detail::add_reference(p_);
-    } else {
-      SLAMGC_ASSERT(p_ == nullptr || (detail::count_of(p_) != 0 && !detail::is_dying(p_)),
-                    (detail::misuse_of(p_, "adopts a reference that nobody counted")));
-    }
-  }
-  /// Another reference to the same object.
-  intrusive_rc(const intrusive_rc& other) noexcept : p_(other.p_) { detail::add_reference(p_); }
-  /// Takes over the reference of @p other, which becomes null.
-  intrusive_rc(intrusive_rc&& other) noexcept : p_(std::exchange(other.p_, nullptr)) {}
-  /// Another reference to the same object, as its base or as const.
-  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
-  intrusive_rc(const intrusive_rc<U>& other) noexcept : p_(other.get()) {
-    detail::add_reference(p_);
-  }
-  /// Takes over the reference of @p other, as its base or as const.
-  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
-  intrusive_rc(intrusive_rc<U>&& other) noexcept : p_(other.detach()) {}
-  /// A reference to what a slot refers to.
-  template <class U, class Env, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
-  intrusive_rc(const rc_slot<U, Env>& slot) noexcept : intrusive_rc(slot.get()) {}
-  /// Gives its reference up.
-  ~intrusive_rc() { detail::drop_reference(p_); }
-
-  /// Refers to the same object as @p other.
-  intrusive_rc& operator=(const intrusive_rc& other) noexcept {
-    intrusive_rc(other).swap(*this);
-    return *this;
-  }
-  /// Takes over the reference of @p other, which becomes null.
-  intrusive_rc& operator=(intrusive_rc&& other) noexcept {
-    intrusive_rc(std::move(other)).swap(*this);
-    return *this;
-  }
-  /// Refers to the same object as @p other, as its base or as const.
-  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
-  intrusive_rc& operator=(const intrusive_rc<U>& other) noexcept {
-    intrusive_rc(other).swap(*this);
-    return *this;
-  }
-  /// Takes over the reference of @p other, as its base or as const.
-  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
-  intrusive_rc& operator=(intrusive_rc<U>&& other) noexcept {
-    intrusive_rc(std::move(other)).swap(*this);
-    return *this;
-  }
-  /// Refers to @p p.
-  intrusive_rc& operator=(T* p) noexcept {
-    intrusive_rc(p).swap(*this);
-    return *this;
-  }
-
-  /// Refers to what @p slot refers to.
-  template <class U, class Env, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
-  intrusive_rc& operator=(const rc_slot<U, Env>& slot) noexcept {
-    intrusive_rc(slot.get()).swap(*this);
-    return *this;
-  }
-
-  /// Takes over a reference that detach() gave up and is still counted.
-  [[nodiscard]] static intrusive_rc adopt(T* p) noexcept { return intrusive_rc(p, false); }
-
-  /// Becomes null.
-  void reset() noexcept { intrusive_rc().swap(*this); }
-  /// Refers to @p p; takes over a reference that is already counted if @p add_ref is false.
-  void reset(T* p, bool add_ref = true) noexcept { intrusive_rc(p, add_ref).swap(*this); }
-
-  /// The pointer.
-  [[nodiscard]] constexpr T* get() const noexcept { return p_; }
-  /// Becomes null and leaves its reference counted: the caller owns it now.
-  T* detach() noexcept { return std::exchange(p_, nullptr); }
-  /// The object. Not for a null pointer.
-  [[nodiscard]] constexpr T& operator*() const noexcept { return *p_; }
-  /// The object's members. Not for a null pointer.
-  [[nodiscard]] constexpr T* operator->() const noexcept { return p_; }
-  /// Whether it refers to an object.
-  [[nodiscard]] constexpr explicit operator bool() const noexcept { return p_ != nullptr; }
-  /// The pointer, as its base or as const, without being asked, for types that opted in; see
-  /// implicit_to_raw.
-  template <class U, class = std::enable_if_t<std::is_convertible<T*, U*>::value &&
-                                              implicit_to_raw<std::remove_cv_t<T>>>>
-  [[nodiscard]] constexpr operator U*() const noexcept {
-    return p_;
-  }
-
-  /// Exchanges two references; no count changes.
-  void swap(intrusive_rc& other) noexcept { std::swap(p_, other.p_); }
-
- private:
-  T* p_ = nullptr;
-};
-
-/// Makes an object and its first reference. Throws what the allocation or the constructor throws.
-template <class T, class... Args>
-[[nodiscard]] intrusive_rc<T> make_rc(Args&&... args) {
-  return intrusive_rc<T>(new T(std::forward<Args>(args)...));
-}
-
-/// Exchanges two references; no count changes.
-template <class T>
-void swap(intrusive_rc<T>& a, intrusive_rc<T>& b) noexcept {
-  a.swap(b);
-}
-
-/// The pointer, for generic code such as `boost::mem_fn`.
-template <class T>
-[[nodiscard]] constexpr T* get_pointer(const intrusive_rc<T>& p) noexcept {
-  return p.get();
-}
-
-// Casts. Those from an rvalue take the reference over.
-
-/// static_cast of the pointer.
-template <class T, class U>
-[[nodiscard]] intrusive_rc<T> static_pointer_cast(const intrusive_rc<U>& p) noexcept {
-  return static_cast<T*>(p.get());
-}
-/// static_cast of the pointer.
-template <class T, class U>
-[[nodiscard]] intrusive_rc<T> static_pointer_cast(intrusive_rc<U>&& p) noexcept {
-  return intrusive_rc<T>(static_cast<T*>(p.detach()), false);
-}
-/// const_cast of the pointer.
-template <class T, class U>
-[[nodiscard]] intrusive_rc<T> const_pointer_cast(const intrusive_rc<U>& p) noexcept {
-  return const_cast<T*>(p.get());
-}
-/// const_cast of the pointer.
-template <class T, class U>
-[[nodiscard]] intrusive_rc<T> const_pointer_cast(intrusive_rc<U>&& p) noexcept {
-  return intrusive_rc<T>(const_cast<T*>(p.detach()), false);
-}
-/// dynamic_cast of the pointer; null if the object is no T.
-template <class T, class U>
-[[nodiscard]] intrusive_rc<T> dynamic_pointer_cast(const intrusive_rc<U>& p) noexcept {
-  return dynamic_cast<T*>(p.get());
-}
-/// dynamic_cast of the pointer; null if the object is no T, and @p p keeps its reference then.
-template <class T, class U>
-[[nodiscard]] intrusive_rc<T> dynamic_pointer_cast(intrusive_rc<U>&& p) noexcept {
-  T* const cast = dynamic_cast<T*>(p.get());
-  if (cast == nullptr) return nullptr;
-  (void)p.detach();
-  return intrusive_rc<T>(cast, false);
-}
-
-// Comparisons: by address, with raw pointers too, without touching a count.
-
-/// Whether both point to the same object.
-template <class T, class U>
-[[nodiscard]] constexpr bool operator==(const intrusive_rc<T>& a,
-                                        const intrusive_rc<U>& b) noexcept {
-  return a.get() == b.get();
-}
-/// Whether they point to different objects.
-template <class T, class U>
-[[nodiscard]] constexpr bool operator!=(const intrusive_rc<T>& a,
-                                        const intrusive_rc<U>& b) noexcept {
-  return a.get() != b.get();
-}
-/// Whether both point to the same object.
-template <class T, class U>
-[[nodiscard]] constexpr bool operator==(const intrusive_rc<T>& a, U* b) noexcept {
-  return a.get() == b;
-}
-/// Whether they point to different objects.
-template <class T, class U>
-[[nodiscard]] constexpr bool operator!=(const intrusive_rc<T>& a, U* b) noexcept {
-  return a.get() != b;
-}
-/// Whether both point to the same object.
-template <class T, class U>
-[[nodiscard]] constexpr bool operator==(T* a, const intrusive_rc<U>& b) noexcept {
-  return a == b.get();
-}
-/// Whether they point to different objects.
-template <class T, class U>
-[[nodiscard]] constexpr bool operator!=(T* a, const intrusive_rc<U>& b) noexcept {
-  return a != b.get();
-}
-/// Whether it is null.
-template <class T>
-[[nodiscard]] constexpr bool operator==(const intrusive_rc<T>& a, std::nullptr_t) noexcept {
-  return a.get() == nullptr;
-}
-/// Whether it is not null.
-template <class T>
-[[nodiscard]] constexpr bool operator!=(const intrusive_rc<T>& a, std::nullptr_t) noexcept {
-  return a.get() != nullptr;
-}
-/// Whether it is null.
-template <class T>
-[[nodiscard]] constexpr bool operator==(std::nullptr_t, const intrusive_rc<T>& a) noexcept {
-  return a.get() == nullptr;
-}
-/// Whether it is not null.
-template <class T>
-[[nodiscard]] constexpr bool operator!=(std::nullptr_t, const intrusive_rc<T>& a) noexcept {
-  return a.get() != nullptr;
-}
-
-namespace detail {
-/// A total order of addresses, also where the built-in `<` gives none; `std::less` is in a large
-/// header.
-template <class T, class U>
-bool address_less(T* a, U* b) noexcept {
-  using common = std::common_type_t<T*, U*>;
-  return reinterpret_cast<std::uintptr_t>(static_cast<common>(a)) <
-         reinterpret_cast<std::uintptr_t>(static_cast<common>(b));
-}
-}  // namespace detail
-
-/// By address.
-template <class T, class U>
-[[nodiscard]] bool operator<(const intrusive_rc<T>& a, const intrusive_rc<U>& b) noexcept {
-  return detail::address_less(a.get(), b.get());
-}
-/// By address.
-template <class T, class U>
-[[nodiscard]] bool operator<(const intrusive_rc<T>& a, U* b) noexcept {
-  return detail::address_less(a.get(), b);
-}
-/// By address.
-template <class T, class U>
-[[nodiscard]] bool operator<(T* a, const intrusive_rc<U>& b) noexcept {
-  return detail::address_less(a, b.get());
-}
-
-/// Prints the address.
-template <class Char, class CharTraits, class T>
-std::basic_ostream<Char, CharTraits>& operator<<(std::basic_ostream<Char, CharTraits>& out,
-                                                 const intrusive_rc<T>& p) {
-  return out << p.get();
-}
-
-/// For `boost::hash`: that of the address.
-template <class T>
-[[nodiscard]] std::size_t hash_value(const intrusive_rc<T>& p) noexcept {
-  return std::hash<T*>()(p.get());
-}
-
-}  // namespace SLAMGC_FLAVOUR
-}  // namespace slamgc
-
-/// The hash of the address: equal to that of the raw pointer.
-template <class T>
-struct std::hash<slamgc::intrusive_rc<T>> {
-  /// The hash of the address.
-  [[nodiscard]] std::size_t operator()(const slamgc::intrusive_rc<T>& p) const noexcept {
-    return std::hash<T*>()(p.get());
-  }
-};
 // ---- slamgc/rc_slot.hpp ----
 /// @file
 /// The counted pointer for members: an edge of the graph.
@@ -2662,6 +4370,114 @@ void swap(rc_slot<T, Env>& a, rc_slot<T, Env>& b) noexcept {
 
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
+// ---- slamgc/retire_set.hpp ----
+/// @file
+/// The thesis's collector: a set of dead objects that is scanned.
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// Reclaimer: counts, and destroys nothing. Objects go through a retire_set.
+struct reclaim_by_scan {
+  /// Removes a reference.
+  template <class T>
+  static void release(T* object) noexcept {
+    (void)uncount_reference(object);
+  }
+  /// New objects are linked to nothing.
+  template <class T>
+  static void* first_link() noexcept {
+    return nullptr;
+  }
+  /// Nothing is destroyed while a count changes.
+  template <class T>
+  struct scope {
+    scope() noexcept {}  ///< Does nothing.
+  };
+};
+
+/// Objects that the program declared dead, until a scan finds their count at zero (thesis, chapter 4.3).
+///
+/// It knows of no mutators, so **every pointer that a thread uses has to be counted, and counted under the
+/// lock of the slot it was read from** (scoped_count); and every container has to be counted. Then a zero
+/// count means that no slot holds the pointer and no thread can get it. With one uncounted local it does not:
+///
+///     mapping                              tracking
+///     pMP = pKF->mvpMapPoints[3]  (count 1)
+///                                          pMP->SetBadFlag(): leaves all slots  (count 0)
+///                                          retire_set.insert(pMP); scan()       destroyed
+///     pMP->GetWorldPos()                   <- use after free
+///
+/// For raw locals use reclaim_retired with mutators.
+///
+/// Thread-safety: all operations by any thread at any time. insert() is lock-free; none allocates.
+template <class T>
+class retire_set {
+ public:
+  /// Empty.
+  retire_set() noexcept = default;
+  /// Scans once more; what is still counted is left alone, and is not destroyed any more.
+  ~retire_set() { (void)scan(); }
+  retire_set(const retire_set&) = delete;
+  retire_set& operator=(const retire_set&) = delete;
+
+  /// Declares *object dead. Returns false if it was dead already: it is in a set once. O(1).
+  bool insert(T* object) noexcept {
+    static_assert(std::is_same<detail::reclaimer_of<T>, reclaim_by_scan>::value,
+                  "slamgc: objects of a retire_set need the reclaimer reclaim_by_scan");
+    auto& state = detail::access::header_of(*object).state;
+    std::uint64_t now = policy::load(state);
+    do {
+      if (state_word{now}.is_retired()) return false;
+    } while (!policy::compare_exchange(state, now,
+                                       now | state_word::retired_flag | state_word::queued_flag));
+    push(object);
+    return true;
+  }
+
+  /// Destroys the objects in the set whose count is zero; returns how many. Destructors run on this
+  /// thread, outside of any lock, and may insert. O(size).
+  std::size_t scan() noexcept {
+    std::size_t destroyed = 0;
+    // (25) acquire: sees the links that push() wrote.
+    T* object = first_.exchange(nullptr, std::memory_order_acquire);
+    while (object != nullptr) {
+      auto& header = detail::access::header_of(*object);
+      T* const next = static_cast<T*>(header.link.load(std::memory_order_relaxed));  // (25)
+      if (state_word{policy::load(header.state)}.count() == 0) {
+        destroy_object(object);
+        ++destroyed;
+      } else {
+        push(object);
+      }
+      object = next;
+    }
+    return destroyed;
+  }
+
+  /// Whether no object waits; another thread may change it at once.
+  [[nodiscard]] bool empty() const noexcept {
+    return first_.load(std::memory_order_relaxed) == nullptr;  // (25) nothing is read through it.
+  }
+
+ private:
+  using policy = detail::policy_of<T>;
+
+  void push(T* object) noexcept {
+    auto& link = detail::access::header_of(*object).link;
+    T* below = first_.load(std::memory_order_relaxed);  // (25)
+    do {
+      link.store(below, std::memory_order_relaxed);  // (25)
+      // (25) release: publishes the links to scan().
+    } while (!first_.compare_exchange_weak(below, object, std::memory_order_release,
+                                           std::memory_order_relaxed));  // (25)
+  }
+
+  typename policy::env::template atomic<T*> first_{nullptr};
+};
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
 // ---- slamgc/scoped_count.hpp ----
 /// @file
 /// The thesis's way to count what a function uses.
@@ -2733,6 +4549,6 @@ class scoped_count {
 /// Changes with the interface, from 1.0 on.
 #define SLAMGC_VERSION_MAJOR 0
 /// Changes with additions; before 1.0 also with the interface.
-#define SLAMGC_VERSION_MINOR 1
+#define SLAMGC_VERSION_MINOR 2
 /// Changes with corrections.
 #define SLAMGC_VERSION_PATCH 0

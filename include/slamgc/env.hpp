@@ -7,12 +7,13 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <type_traits>
 
 #include "fwd.hpp"
 
 namespace slamgc {
-inline namespace SLAMGC_FLAVOUR {
+namespace runtime SLAMGC_SHARED {
 
 /// The environment of ordinary programs.
 struct std_env {
@@ -32,6 +33,9 @@ struct std_env {
     return record;
   }
 
+  /// As many mutators of a domain at a time have a place of their own in its tables; more share one.
+  static constexpr std::size_t mutator_doors = 62;
+
   /// Reads an element of a standard container that others may assign at the same time, without lock.
   template <class T>
   [[nodiscard]] static T* load(T* const& element) noexcept {
@@ -48,5 +52,5 @@ struct std_env {
   }
 };
 
-}  // namespace SLAMGC_FLAVOUR
+}  // namespace SLAMGC_SHARED
 }  // namespace slamgc

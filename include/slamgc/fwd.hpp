@@ -6,10 +6,18 @@
 
 /// slamgc: concurrent memory reclamation for graph-shaped SLAM maps.
 namespace slamgc {
+
+/// What a process has once, whatever the flavours of its parts: threads register with a domain, not with a
+/// flavour of it.
+namespace runtime SLAMGC_SHARED {
+struct std_env;
+template <class Env>
+class domain_state;
+}  // namespace SLAMGC_SHARED
+using runtime::std_env;
+
 /// Checked and unchecked builds live side by side; see flavour.hpp.
 inline namespace SLAMGC_FLAVOUR {
-
-struct std_env;
 
 template <class Env>
 struct basic_fetch_add_counter;
@@ -28,6 +36,9 @@ using cas_counter = basic_cas_counter<std_env>;
 using unsync_counter = basic_unsync_counter<std_env>;
 
 struct reclaim_at_zero;
+struct reclaim_deferred;
+struct reclaim_retired;
+struct reclaim_by_scan;
 
 template <class T, class Policy = fetch_add_counter, class Reclaimer = reclaim_at_zero>
 class rc_object;
@@ -36,8 +47,29 @@ template <class T>
 class intrusive_rc;
 template <class T, class Env = std_env>
 class rc_slot;
+template <class T, class Env = std_env>
+class atomic_rc;
+template <class T, class Env = std_env>
+class borrow;
 template <class Container>
 class scoped_count;
+
+template <class Env>
+class basic_domain;
+template <class Env>
+class basic_mutator;
+template <class T>
+class retire_set;
+class background_reclaimer;
+
+/// What the objects, threads and collectors of a SLAM system share.
+using domain = basic_domain<std_env>;
+/// Registers a thread with a domain.
+using mutator = basic_mutator<std_env>;
+
+namespace detail {
+struct domain_access;
+}  // namespace detail
 
 // The trailing parameters are those of the standard container (allocator, comparator, hash), with
 // its defaults.

@@ -73,6 +73,13 @@ class rc_object {
   ~rc_object() {
     SLAMGC_ASSERT(use_count() == 0, (misuse{"destroys an object that is still referred to",
                                             detail::type_name<T>::get(), this, use_count()}));
+    if constexpr (detail::has_last_link<Reclaimer, T>::value) {
+      void* const link = header_.link.load(std::memory_order_relaxed);  // (8)
+      if (link == &header_) return;
+      SLAMGC_ASSERT(!state().is_queued(), (misuse{"deletes an object that a collector holds",
+                                                  detail::type_name<T>::get(), this, 0}));
+      if (!state().is_queued()) Reclaimer::template last_link<T>(link);
+    }
   }
 
  private:

@@ -65,6 +65,8 @@ struct doomed_list_of : doomed_list {};
 ///   uncount_reference, or with a transition of its own) and decides what becomes of an object that
 ///   nobody refers to; that one's link word is the reclaimer's. It destroys with destroy_object.
 /// - `first_link<T>()`, static: the link word of a new object. May throw.
+/// - `last_link<T>(void*)`, static and `noexcept`, if wanted: the program itself deletes an object, with
+///   that link word.
 /// - `scope<T>`: a container keeps one while it changes; no destructor may run inside, so that none
 ///   meets a half-changed container.
 struct reclaim_at_zero {

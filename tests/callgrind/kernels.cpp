@@ -12,6 +12,8 @@
 #include <memory>
 #include <new>
 #include <set>
+#include <slamgc/deferred.hpp>
+#include <slamgc/mutator.hpp>
 #include <slamgc/slamgc.hpp>
 #include <string>
 #include <unordered_map>
@@ -55,6 +57,19 @@ struct raw_node : raw_holder {
 };
 struct counted_node : slamgc::rc_object<counted_node> {
   slamgc::rc_slot<counted_node> next;
+};
+
+// The same with objects that a collector reclaims, read by a mutator.
+struct deferred_object
+    : slamgc::rc_object<deferred_object, slamgc::fetch_add_counter, slamgc::reclaim_deferred> {
+  std::uint64_t value = 1;
+  slamgc::rc_slot<deferred_object> next;
+};
+struct deferred_holder {
+  slamgc::rc_slot<deferred_object> member;
+};
+struct raw_deferred_holder {
+  deferred_object* member = nullptr;
 };
 
 std::uint64_t value_of(const object* p) { return p->value; }
@@ -234,6 +249,14 @@ KERNEL(rebuild_with_others) {
   *static_cast<C*>(argument) = keys;
   return 0;
 }
+KERNEL(be_quiescent) {
+  auto& mutator = *static_cast<C*>(argument);
+  for (std::size_t i = 0; i != elements; ++i) {
+    mutator.quiescent();
+    asm volatile("" : : "r"(&mutator) : "memory");
+  }
+  return 0;
+}
 KERNEL(push_and_pop) {
   auto& c = *static_cast<C*>(argument);
   for (object* p : keys) {
@@ -387,6 +410,22 @@ void measure_all(std::size_t n) {
     }
     compare("slot: walk a chain", walk_chain<raw_node>, a.data(), walk_chain<counted_node>,
             b.get());
+  }
+  {
+    slamgc::domain domain;
+    slamgc::mutator mutator(domain, "main");
+    std::vector<raw_deferred_holder> a(n);
+    std::vector<deferred_holder> b(n);
+    std::vector<raw_node> raw(n);
+    for (std::size_t i = 0; i != n; ++i) {
+      b[i].member = a[i].member = new deferred_object;
+      if (i != 0) b[i - 1].member->next = a[i].member;
+      if (i != 0) raw[i - 1].next = &raw[i];
+    }
+    COMPARE("slot: read members, deferred", read_members, a, b);
+    compare("slot: walk a chain, deferred", walk_chain<raw_node>, raw.data(),
+            walk_chain<deferred_object>, a[0].member);
+    measure("count quiescent(), nothing to do", be_quiescent<decltype(mutator)>, &mutator);
   }
 
   {

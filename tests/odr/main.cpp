@@ -18,6 +18,16 @@ int main() {
       ++failures;
     }
   }
+  // A mutator of one flavour holds the reclamation of the other up: they share the domain.
+  for (const auto& [borrow, retire] :
+       {std::pair(borrow_checked, retire_unchecked), std::pair(borrow_unchecked, retire_checked)}) {
+    int alive = -1;
+    borrow([&alive, retire = retire] { alive = retire(); });
+    const int alive_later = retire();
+    if (alive == 1 && alive_later == 0) continue;
+    std::printf("alive: %d while borrowed, %d later\n", alive, alive_later);
+    ++failures;
+  }
   for (const auto& [name, value] : expected) std::printf("%-24s %zu\n", name.c_str(), value);
   return failures;
 }

@@ -27,6 +27,13 @@ struct mutex_node : slamgc::rc_object<mutex_node, slamgc::mutex_counter> {
   char payload = 0;
 };
 
+struct doomed : slamgc::rc_object<doomed, slamgc::fetch_add_counter, slamgc::reclaim_retired> {
+  doomed() { ++alive; }
+  ~doomed() { --alive; }
+  static int alive;
+};
+int doomed::alive = 0;
+
 template <class T, class Member>
 std::size_t offset(const T& object, const Member& member) {
   return static_cast<std::size_t>(reinterpret_cast<const char*>(&member) -
@@ -84,4 +91,19 @@ layout SLAMGC_ODR_UNIT() {
   result.emplace_back("unordered_set", offset(*object, object->unordered_set));
   result.emplace_back("unordered_map", offset(*object, object->unordered_map));
   return result;
+}
+
+void SLAMGC_ODR_BORROW(const std::function<void()>& inside) {
+  const slamgc::mutator reader("reader");
+  inside();
+}
+
+int SLAMGC_ODR_RETIRE() {
+  slamgc::mutator me("mapping");
+  slamgc::retire(new doomed);
+  for (int i = 0; i != 3; ++i) {
+    me.quiescent();
+    (void)slamgc::default_domain().collect();
+  }
+  return doomed::alive;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,3 +13,11 @@ layout unit_a();
 layout unit_b();
 layout unit_checked();
 layout unit_unchecked();
+
+// Runs @p inside while the thread is an online mutator of the default domain.
+void borrow_checked(const std::function<void()>& inside);
+void borrow_unchecked(const std::function<void()>& inside);
+
+// Retires an object in the default domain and collects; returns how many of those are alive.
+int retire_checked();
+int retire_unchecked();

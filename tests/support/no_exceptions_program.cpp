@@ -1,5 +1,6 @@
 // A program that uses everything and builds with -fno-exceptions -fno-rtti. It prints what failed and
 // returns how many checks that were.
+#include <slamgc/background_reclaimer.hpp>
 #include <slamgc/mutex_counter.hpp>
 #include <slamgc/slamgc.hpp>
 
@@ -95,8 +96,71 @@ void members() {
   CHECK(b->use_count() == 1 && node::live == 1);
 }
 
+template <class Policy, class Reclaimer>
+struct waiting : slamgc::rc_object<waiting<Policy, Reclaimer>, Policy, Reclaimer> {
+  waiting() { ++live; }
+  waiting(const waiting&) = delete;
+  waiting& operator=(const waiting&) = delete;
+  virtual ~waiting() { --live; }
+
+  slamgc::rc_slot<waiting> slot;
+
+  static inline int live = 0;
+};
+
+template <class Policy, class Reclaimer>
+void deferred() {
+  using node = waiting<Policy, Reclaimer>;
+  slamgc::domain domain;
+  slamgc::mutator mutator(domain, "test");
+  auto p = slamgc::make_rc<node>();
+  p->slot = new node;
+  node* const second = p->slot;
+  slamgc::atomic_rc<node> shared(p);
+  const slamgc::borrow<node> borrowed(p.get());
+  CHECK(shared.load() == p);
+  CHECK(borrowed->use_count() == 2);
+  node* expected = p.get();
+  CHECK(shared.compare_exchange_strong(expected, nullptr));
+  CHECK(slamgc::retire(p.get()) && !slamgc::retire(p.get()) && slamgc::retire(second));
+  p.reset();
+  CHECK(domain.collect().result == slamgc::collected::outcome::waiting && node::live == 2);
+  CHECK(domain.synchronize() == slamgc::waited::refused);
+  mutator.quiescent();
+  CHECK(domain.collect(slamgc::budget{1}).reclaimed == 1);
+  {
+    const slamgc::mutator::offline_scope offline(mutator);
+    CHECK(domain.drain() == slamgc::waited::done && node::live == 0);
+  }
+  CHECK(domain.stats().total(&slamgc::type_stats::reclaimed) == 2);
+  slamgc::retire(new node);
+  std::thread([&] {
+    const slamgc::mutator short_lived(domain, "short");
+    slamgc::retire(new node);
+  }).join();
+  {
+    const slamgc::mutator::offline_scope offline(mutator);
+    slamgc::background_reclaimer reclaimer(domain);
+    CHECK(reclaimer.stop() == slamgc::waited::done);
+  }
+  CHECK(node::live == 0);
+}
+
+template <class Policy>
+void scanned() {
+  using node = waiting<Policy, slamgc::reclaim_by_scan>;
+  slamgc::retire_set<node> dead;
+  auto p = slamgc::make_rc<node>();
+  CHECK(dead.insert(p.get()) && dead.scan() == 0);
+  p.reset();
+  CHECK(dead.scan() == 1 && dead.empty() && node::live == 0);
+}
+
 template <class Policy>
 void all() {
+  deferred<Policy, slamgc::reclaim_deferred>();
+  deferred<Policy, slamgc::reclaim_retired>();
+  scanned<Policy>();
   pointers<Policy>();
   members<Policy>();
   CHECK(object<Policy>::live == 0);

@@ -19,6 +19,7 @@
 #include <atomic>
 #include <cassert>
 #include <cerrno>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -41,6 +42,7 @@
 #include <stack>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <type_traits>
 #include <typeindex>
 #include <typeinfo>
@@ -74,9 +76,13 @@
 
 #undef SLAMGC_DEBUG
 #define SLAMGC_DEBUG 0
+#include "slamgc/atomic_rc.hpp"
+#include "slamgc/deferred.hpp"
 #include "slamgc/intrusive_rc.hpp"
+#include "slamgc/mutator.hpp"
 #include "slamgc/mutex_counter.hpp"
 #include "slamgc/rc_slot.hpp"
+#include "slamgc/retire_set.hpp"
 
 /// Where an operation stands in the source, for relacy's report: the place of the call.
 #define RELACY_HERE \
@@ -85,14 +91,19 @@
 struct relacy_env {
   template <class T>
   class atomic {
+    /// relacy cannot print pointers to const.
+    using stored =
+        std::conditional_t<std::is_pointer<T>::value,
+                           std::add_pointer_t<std::remove_const_t<std::remove_pointer_t<T>>>, T>;
+
    public:
-    constexpr atomic(T value) noexcept : value_(value) {}
+    constexpr atomic(T value) noexcept : value_(stored(value)) {}
 
     T load(std::memory_order order, rl::debug_info here = RELACY_HERE) const noexcept {
       return value_.load(relacy_order(order), here);
     }
     void store(T value, std::memory_order order, rl::debug_info here = RELACY_HERE) noexcept {
-      value_.store(value, relacy_order(order), here);
+      value_.store(stored(value), relacy_order(order), here);
     }
     T exchange(T value, std::memory_order order, rl::debug_info here = RELACY_HERE) noexcept {
       return value_.exchange(value, relacy_order(order), here);
@@ -106,7 +117,8 @@ struct relacy_env {
     bool compare_exchange_weak(T& expected, T desired, std::memory_order success,
                                std::memory_order failure,
                                rl::debug_info here = RELACY_HERE) noexcept {
-      return compare_exchange<true>(expected, desired, success, failure, here);
+      return alone ? compare_exchange<false>(expected, desired, success, failure, here)
+                   : compare_exchange<true>(expected, desired, success, failure, here);
     }
     bool compare_exchange_strong(T& expected, T desired, std::memory_order success,
                                  std::memory_order failure,
@@ -146,7 +158,7 @@ struct relacy_env {
       return done;
     }
 
-    rl::atomic<T> value_;
+    rl::atomic<stored> value_;
   };
 
   /// The record of the simulated thread, zero at the beginning of each simulated execution.
@@ -167,6 +179,12 @@ struct relacy_env {
     return number;
   }
 
+  /// No simulated thread has begun, or all have ended: a spurious failure would only double the search.
+  static inline bool alone = true;
+
+  /// So few that in models with three threads two share a door.
+  static constexpr std::size_t mutator_doors = 1;
+
   // Elements of containers are plain pointers, in which relacy sees no order: a model keeps a container
   // under a mutex. Without it, relacy reports races that are none; it cannot miss one.
   template <class T>
@@ -177,6 +195,14 @@ struct relacy_env {
   static T* exchange(T*& element, T* desired) noexcept {
     return std::exchange(element, desired);
   }
+};
+
+/// Time stands still: an execution must not depend on it.
+template <>
+struct slamgc::runtime::clock_of<relacy_env> {
+  using time_point = std::chrono::steady_clock::time_point;
+  static time_point now() noexcept { return {}; }
+  static void pause(std::chrono::nanoseconds) noexcept { rl::yield(1, RELACY_HERE); }
 };
 
 /// For basic_mutex_counter.
@@ -233,11 +259,17 @@ template <rl::thread_id_t Threads>
 struct any_model : rl::test_suite<any_model<Threads>, Threads> {
   static inline model* (*make)(void* at) = nullptr;
 
-  any_model() : model_((++relacy_env::execution(), make(place_))) {}
+  any_model() : model_((++relacy_env::execution(), relacy_env::alone = true, make(place_))) {}
   ~any_model() { model_->~model(); }
-  void before() { model_->before(); }
+  void before() {
+    model_->before();
+    relacy_env::alone = false;
+  }
   void thread(unsigned i) { model_->thread(i); }
-  void after() { model_->after(); }
+  void after() {
+    relacy_env::alone = true;
+    model_->after();
+  }
 
  private:
   alignas(16) char place_[1024];  // no allocation: each deallocation doubles the search

@@ -78,6 +78,8 @@ struct yield_env {
     std::atomic<T> value_;
   };
 
+  static constexpr std::size_t mutator_doors = 3;
+
   template <class Record>
   static Record& thread_record() noexcept {
     return slamgc::std_env::thread_record<Record>();

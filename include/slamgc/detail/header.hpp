@@ -95,6 +95,13 @@ bool is_dying(const T* p) noexcept {
   return header.link.load(std::memory_order_relaxed) == &header;  // (8)
 }
 
+/// Whether the reclaimer wants to know of objects that the program itself deletes.
+template <class Reclaimer, class T, class = void>
+struct has_last_link : std::false_type {};
+template <class Reclaimer, class T>
+struct has_last_link<Reclaimer, T, std::void_t<decltype(Reclaimer::template last_link<T>(nullptr))>>
+    : std::true_type {};
+
 /// Counts a new reference to *p; p may be null. Before the reference is published: who sees it then
 /// sees the count, too.
 template <class T>

@@ -1,0 +1,39 @@
+/// @file
+/// What a call that collects may do, and what it did.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+
+namespace slamgc {
+
+/// How much one call of collect() may do. It stops at whichever it reaches first, after the object it is
+/// at: one destructor is the smallest unit of time.
+struct budget {
+  /// Objects to handle. One that is reclaimed is handled twice: noted, and after the grace period destroyed.
+  std::size_t objects = static_cast<std::size_t>(-1);
+  std::chrono::nanoseconds time = std::chrono::nanoseconds::max();  ///< Time.
+};
+
+/// What a call of collect() did.
+struct collected {
+  /// How it ended.
+  enum class outcome {
+    done,     ///< Nothing is left that could be reclaimed now.
+    waiting,  ///< The rest waits until each mutator has passed a quiescent state.
+    partial,  ///< The budget is used up.
+    busy,     ///< Another thread is collecting, or this one further up the stack; nothing was done.
+    refused,  ///< The thread declared that it never reclaims; nothing was done.
+  };
+  outcome result = outcome::done;  ///< How it ended.
+  std::size_t reclaimed = 0;       ///< Objects destroyed.
+};
+
+/// Why drain() or synchronize() ended.
+enum class waited {
+  done,       ///< What was waited for has happened.
+  timed_out,  ///< A mutator did not pass a quiescent state in time.
+  refused,  ///< The calling thread would wait for itself: it is an online mutator of the domain, or collects.
+};
+
+}  // namespace slamgc

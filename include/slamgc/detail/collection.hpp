@@ -1,0 +1,164 @@
+/// @file
+/// A domain's collection: one at a time, in as many calls as it takes.
+///
+/// **States.** *noting*: what has entered the tables is noted, table by table. *waiting*: the epoch was
+/// advanced; the grace period is open. *deciding*: it is over; the noted objects are destroyed, or leave, or
+/// enter anew. A call goes on where the last one ended, whichever thread made it. What enters meanwhile
+/// belongs to the next round.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "../budget.hpp"
+#include "../env.hpp"
+#include "../fwd.hpp"
+#include "../stats.hpp"
+#include "clock.hpp"
+#include "participant.hpp"
+#include "table_base.hpp"
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+template <class Env>
+class collection {
+ public:
+  using outcome = collected::outcome;
+  using domain = domain_state<Env>;
+
+  collected collect(domain& of, const budget& limit) noexcept {
+    // (21) acquire: sees what the last collector left behind.
+    if (collecting_.exchange(true, std::memory_order_acquire)) return {outcome::busy, 0};
+    const auto begin = clock::now();
+    for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
+      if (p->domain == &of) p->publish();
+    collected done;
+    {
+      participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
+      const participation<Env> as_collector(me);
+      me.pass_quiescent_state();
+      work_limit<Env> work(limit.objects, limit.time, begin);
+      done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
+      me.publish();
+    }
+    const std::int64_t took = std::chrono::nanoseconds(clock::now() - begin).count();
+    if (took > longest_.load(std::memory_order_relaxed))  // (12)
+      longest_.store(took, std::memory_order_relaxed);    // (12)
+    // (21) release: to the next collector.
+    collecting_.store(false, std::memory_order_release);
+    return done;
+  }
+  void refuse() noexcept { refused_.fetch_add(1, std::memory_order_relaxed); }  // (12)
+
+  void on_backlog(std::uint64_t limit, void (*hook)(const delay&, void*), void* context) noexcept {
+    backlog_limit_ = limit;
+    backlog_hook_ = hook;
+    backlog_context_ = context;
+  }
+
+  // ---- reports
+
+  /// The grace period that is waited for, or 0.
+  std::uint64_t open() const noexcept { return open_.load(std::memory_order_relaxed); }  // (12)
+  std::uint64_t grace_periods() const noexcept {
+    return grace_periods_.load(std::memory_order_relaxed);  // (12)
+  }
+  std::chrono::nanoseconds longest() const noexcept {
+    return std::chrono::nanoseconds(longest_.load(std::memory_order_relaxed));  // (12)
+  }
+  std::uint64_t refused() const noexcept {
+    return refused_.load(std::memory_order_relaxed);  // (12)
+  }
+  delay delayed(const domain& of) const noexcept {
+    delay now;
+    const std::uint64_t target = open();
+    if (const auto* const oldest = target == 0 ? nullptr : of.behind(target)) {
+      now.oldest = oldest->name.load(std::memory_order_relaxed);                             // (12)
+      now.age = time() - std::chrono::nanoseconds(opened_.load(std::memory_order_relaxed));  // (12)
+    }
+    now.backlog = backlog(of);
+    return now;
+  }
+
+ private:
+  using clock = clock_of<Env>;
+  using table = table_base<Env>;
+  enum class phase { noting, waiting, deciding };
+
+  outcome run(domain& of, participant<Env>& me, work_limit<Env>& work,
+              std::size_t& reclaimed) noexcept {
+    bool found_nothing = false;
+    for (;;) {
+      if (phase_ == phase::noting) {
+        me.publish();
+        if (batch_ == nullptr) {
+          at_ = batch_ = of.tables();
+          noted_ = 0;
+        }
+        for (; at_ != nullptr; at_ = at_->next)
+          if (at_->note(work, noted_) == progress::limit) return outcome::partial;
+        // What entered and is not noted is in a chain of a mutator, which publishes it at the latest when
+        // the grace period is over.
+        if (noted_ == 0 && backlog(of) == 0) {
+          batch_ = nullptr;
+          return outcome::done;
+        }
+        open_grace_period(of);
+        phase_ = phase::waiting;
+      }
+      if (phase_ == phase::waiting) {
+        if (of.behind(target_) != nullptr) {
+          if (backlog_hook_ != nullptr && backlog(of) > backlog_limit_)
+            backlog_hook_(delayed(of), backlog_context_);
+          return outcome::waiting;
+        }
+        open_.store(0, std::memory_order_relaxed);  // (12)
+        at_ = batch_;
+        phase_ = phase::deciding;
+      }
+      for (; at_ != nullptr; at_ = at_->next)
+        if (at_->decide(work, reclaimed) == progress::limit) return outcome::partial;
+      batch_ = nullptr;
+      phase_ = phase::noting;
+      // For a thread that is about to push something; one that was at work when the round began has done so.
+      if (noted_ == 0 && std::exchange(found_nothing, true)) return outcome::waiting;
+    }
+  }
+
+  void open_grace_period(domain& of) noexcept {
+    grace_periods_.fetch_add(1, std::memory_order_relaxed);    // (12)
+    opened_.store(time().count(), std::memory_order_relaxed);  // (12)
+    target_ = of.advance();
+    open_.store(target_, std::memory_order_relaxed);  // (12)
+  }
+
+  static std::uint64_t backlog(const domain& of) noexcept {
+    std::uint64_t sum = 0;
+    for (const table* t = of.tables(); t != nullptr; t = t->next) sum += t->backlog();
+    return sum;
+  }
+  static std::chrono::nanoseconds time() noexcept { return clock::now().time_since_epoch(); }
+
+  typename Env::template atomic<bool> collecting_{false};
+  // For reports:
+  typename Env::template atomic<std::uint64_t> open_{0};
+  typename Env::template atomic<std::int64_t> opened_{0};
+  typename Env::template atomic<std::uint64_t> grace_periods_{0};
+  typename Env::template atomic<std::int64_t> longest_{0};
+  typename Env::template atomic<std::uint64_t> refused_{0};
+  // Of the thread that collects:
+  phase phase_ = phase::noting;
+  table* batch_ = nullptr;  // the tables of this round, from the newest
+  table* at_ = nullptr;     // the next one
+  std::size_t noted_ = 0;   // objects in this round
+  std::uint64_t target_ = 0;
+  std::uint64_t backlog_limit_ = 0;
+  void (*backlog_hook_)(const delay&, void*) = nullptr;
+  void* backlog_context_ = nullptr;
+};
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc

@@ -1,0 +1,116 @@
+/// @file
+/// How a thread takes part in a domain: as a mutator, or as the collector at work.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "../env.hpp"
+#include "../fwd.hpp"
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+inline constexpr std::size_t cache_line = 64;
+
+template <class Env>
+struct table_door;
+
+/// A registered thread, as collectors see it. Records are used again and freed with the domain's state
+/// only, so a collector reads them without a lock.
+template <class Env>
+struct alignas(cache_line) mutator_record {
+  static constexpr std::uint64_t offline = 0;
+
+  typename Env::template atomic<std::uint64_t> epoch{offline};
+  typename Env::template atomic<bool> taken{true};
+  typename Env::template atomic<const char*> name{nullptr};
+  mutator_record* next = nullptr;
+  std::size_t door = 0;
+};
+
+/// One part of a thread in a domain, known to that thread alone.
+template <class Env>
+struct participant {
+  participant* outer;
+  domain_state<Env>* domain;
+  mutator_record<Env>* record;  // null: the collector
+  std::size_t door;             // which door of each table is its own; 0: none
+  bool online;
+  bool never_reclaim;
+  std::uint64_t passed = 0;            // which of the thread's quiescent states was its last
+  table_door<Env>* pending = nullptr;  // its doors with a chain to publish
+
+  /// Whether it keeps what enters a table in a chain of its own, which it publishes later.
+  bool keeps_chains() const noexcept { return door != 0 && may_borrow(); }
+
+  /// Whether pointers may be borrowed: the collector's destructors, too, read what their objects refer to.
+  bool may_borrow() const noexcept { return online || record == nullptr; }
+
+  /// What was borrowed before is not valid any more; only the checks of borrow.hpp want to know.
+  void pass_quiescent_state() noexcept;
+
+  /// Makes what entered tables visible to the collector.
+  void publish() noexcept {
+    for (; pending != nullptr; pending = pending->next_pending) pending->publish();
+  }
+};
+
+/// The parts of one thread, the innermost first.
+template <class Env>
+struct participants {
+  participant<Env>* innermost;
+  std::uint64_t current;  // the number of the innermost, which no other part ever has; 0: none
+  std::uint64_t last;     // the last number that was given
+  std::uint64_t quiescent_states;
+
+  static participants& of_this_thread() noexcept {
+    return Env::template thread_record<participants>();
+  }
+
+  /// The innermost that may borrow, or null.
+  static participant<Env>* borrower() noexcept {
+    participant<Env>* p = of_this_thread().innermost;
+    while (p != nullptr && !p->may_borrow()) p = p->outer;
+    return p;
+  }
+  /// Whether some part of the thread in @p domain holds for @p condition.
+  template <class Condition>
+  static bool any_in(const domain_state<Env>& domain, Condition condition) noexcept {
+    for (participant<Env>* p = of_this_thread().innermost; p != nullptr; p = p->outer)
+      if (p->domain == &domain && condition(*p)) return true;
+    return false;
+  }
+};
+
+template <class Env>
+void participant<Env>::pass_quiescent_state() noexcept {
+  passed = ++participants<Env>::of_this_thread().quiescent_states;
+}
+
+/// Makes @p part the thread's innermost as long as this exists.
+template <class Env>
+class participation {
+ public:
+  explicit participation(participant<Env>& part) noexcept : part_(part) {
+    auto& all = participants<Env>::of_this_thread();
+    part_.outer = all.innermost;
+    outer_ = all.current;
+    all.innermost = &part_;
+    all.current = ++all.last;
+  }
+  ~participation() {
+    auto& all = participants<Env>::of_this_thread();
+    all.innermost = part_.outer;
+    all.current = outer_;
+  }
+  participation(const participation&) = delete;
+  participation& operator=(const participation&) = delete;
+
+ private:
+  participant<Env>& part_;
+  std::uint64_t outer_;
+};
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc

@@ -1,0 +1,169 @@
+/// @file
+/// The zero-count table: objects that wait until nobody can see them any more.
+///
+/// **Life of an entry.** An object enters when its count falls to zero or when it is retired at zero,
+/// whichever comes first: the change that makes it so also sets `queued`, and the thread whose change set
+/// it pushes the object. So each object is in the table at most once, and whoever pushes it owns its link.
+/// While it is not queued, the link names the table that it belongs to.
+///
+/// The collector *notes* the state word of each object that has entered, advances the epoch, and after the
+/// grace period *decides*:
+///
+/// | count | version | the object |
+/// |---|---|---|
+/// | 0 | as noted | is reclaimed |
+/// | 0 | another | enters anew: a pointer may have been borrowed through the reference that came and went |
+/// | more | | leaves the table |
+///
+/// **An object that is reclaimed is out of everybody's sight.** Its count was zero when the word was noted,
+/// and no reference was added since (counter.hpp). So every reference had been unlinked before the epoch
+/// was advanced, and after the grace period nobody holds a pointer that was borrowed through one
+/// (domain.hpp). Without a pointer nobody adds a reference or retires it either.
+///
+/// **None is lost.** Leaving the table is one compare-and-swap of the whole word, which clears `queued`. A
+/// fall to zero or a retirement after it finds the flag clear and pushes the object again; one before it
+/// makes the compare-and-swap fail, and the collector decides again.
+///
+/// Deferred reference counting: Deutsch and Bobrow 1976; *The Garbage Collection Handbook*, 5.3.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "../reclaim_at_zero.hpp"
+#include "domain_state.hpp"
+#include "header.hpp"
+#include "note_list.hpp"
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// An address for each type.
+template <class T>
+inline constexpr char type_key = 0;
+
+template <class T>
+class zero_count_table final : public runtime::table_base<typename policy_of<T>::env> {
+  using env = typename policy_of<T>::env;
+  using base = runtime::table_base<env>;
+  using policy = policy_of<T>;
+  using typename base::door;
+
+ public:
+  explicit zero_count_table(const runtime::domain_state<env>& of) noexcept
+      : base(of, &type_key<T>, slamgc::detail::type_name<T>::get(), sizeof(T)) {}
+
+  /// The table of T in @p domain, or null.
+  static zero_count_table* find(const runtime::domain_state<env>& domain) noexcept {
+    return static_cast<zero_count_table*>(domain.find(&type_key<T>));
+  }
+  /// The table of T in @p domain. Throws std::bad_alloc, the first time.
+  static zero_count_table& in(runtime::domain_state<env>& domain) {
+    zero_count_table* found = find(domain);
+    if (found == nullptr) {
+      found = new zero_count_table(domain);
+      domain.add(*found);
+    }
+    return *found;
+  }
+  /// The table of an object that is not queued.
+  static zero_count_table* of(const T& object) noexcept {
+    auto& link = access::header_of(object).link;
+    // (13) stored by the object's constructor, or before it left the table.
+    return static_cast<zero_count_table*>(link.load(std::memory_order_relaxed));
+  }
+
+  /// Takes in an object whose `queued` flag the caller has just set. Lock-free; never allocates.
+  void push(T* object) noexcept {
+    runtime::participant<env>* me;
+    door& at = this->my_door(me);
+    push(object, at, me);
+  }
+  /// The same, where the caller knows the door.
+  void push(T* object, door& at, runtime::participant<env>* me) noexcept {
+    auto& link = access::header_of(*object).link;
+    base::add(at, &door::entered);
+    if (me == nullptr || !me->keeps_chains()) {
+      at.push(object, link);
+      return;
+    }
+    link.store(at.chain, std::memory_order_relaxed);  // (11)
+    if (at.chain == nullptr) {
+      at.chain_end = &link;
+      at.next_pending = me->pending;
+      me->pending = &at;
+    }
+    at.chain = object;
+  }
+
+  runtime::progress note(runtime::work_limit<env>& limit, std::size_t& noted) noexcept override {
+    for (;;) {
+      while (taken_ != nullptr) {
+        auto& header = access::header_of(*taken_);
+        if (!notes_.add({taken_, policy::load(header.state)})) return runtime::progress::no_memory;
+        ++noted;
+        taken_ = static_cast<T*>(header.link.load(std::memory_order_relaxed));  // (11)
+        if (!limit.spend()) return runtime::progress::limit;
+      }
+      if (at_door_ == base::doors) break;
+      taken_ = static_cast<T*>(this->doors_[at_door_++].take());
+    }
+    at_door_ = 0;
+    return runtime::progress::done;
+  }
+
+  runtime::progress decide(runtime::work_limit<env>& limit,
+                           std::size_t& reclaimed) noexcept override {
+    std::size_t left = 0;
+    std::size_t destroyed = 0;
+    bool more = true;
+    limit.other_objects();
+    for (; more && !notes_.empty(); more = limit.spend()) {
+      if (const entry* const soon = notes_.soon()) __builtin_prefetch(soon->object, 1);
+      const entry e = notes_.take();
+      ++left;
+      if (!is_dead(e)) continue;
+      // The destructor may do anything, push objects of this type included.
+      destroy_object(e.object);
+      ++destroyed;
+    }
+    base::add(this->left_, left);
+    base::add(this->reclaimed_, destroyed);
+    base::add(this->doors_[base::collectors_door].ended, destroyed);
+    reclaimed += destroyed;
+    return more ? runtime::progress::done : runtime::progress::limit;
+  }
+
+ private:
+  struct entry {
+    T* object;
+    std::uint64_t noted;
+  };
+
+  /// Else the object is where it belongs afterwards.
+  bool is_dead(const entry& e) noexcept {
+    auto& header = access::header_of(*e.object);
+    std::uint64_t now = policy::load(header.state);
+    for (;;) {
+      const state_word w{now};
+      if (w.count() == 0) {
+        if (w.same_references({e.noted})) return true;
+        push(e.object);
+        return false;
+      }
+      // (13) published by clearing the flag: compare_exchange (6) releases.
+      header.link.store(this, std::memory_order_relaxed);
+      if (policy::compare_exchange(header.state, now, now & ~state_word::queued_flag)) return false;
+    }
+  }
+
+  // The collector's:
+  note_list<entry> notes_;
+  T* taken_ = nullptr;       // what is left of a door's stack
+  std::size_t at_door_ = 0;  // the next door
+};
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc

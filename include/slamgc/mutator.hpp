@@ -1,0 +1,126 @@
+/// @file
+/// Threads that hold borrowed pointers.
+#pragma once
+
+#include "assert.hpp"
+#include "detail/domain_state.hpp"
+#include "domain.hpp"
+#include "fwd.hpp"
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// How a mutator registers.
+struct mutator_options {
+  bool online = true;          ///< Begins online; else with its first online_scope.
+  bool never_reclaim = false;  ///< Real-time thread: collect() is refused on it.
+};
+
+/// Registers the calling thread with a domain, for as long as it exists.
+///
+/// While it is online the thread may hold borrowed pointers: what it read from slots and containers stays
+/// valid until its next quiescent(). It must call that regularly, at a point where it holds none, such as
+/// the end of its loop; or go offline. Its end, by an exception too, delays nobody and loses nothing.
+///
+/// Made, used and destroyed by one thread. A thread may have several, also of different domains, if the
+/// last made is the first destroyed. Registering is O(records ever in use at once); everything else is O(1), plus one
+/// compare-and-swap for each type of which objects entered the table since the last quiescent state.
+template <class Env>
+class basic_mutator {
+ public:
+  using options = mutator_options;  ///< How it registers.
+
+  /// Registers with @p to. @p name is shown in reports; it has to stay valid, as a string literal does.
+  /// Throws std::bad_alloc.
+  basic_mutator(basic_domain<Env>& to, const char* name, options how = {})
+      : record_(detail::domain_access::state_of(to).enter(name)),
+        me_{nullptr,          &detail::domain_access::state_of(to), &record_, record_.door, false,
+            how.never_reclaim},
+        taking_part_(me_) {
+    me_.domain->retain();
+    if (how.online) go_online();
+  }
+  /// Registers with default_domain().
+  explicit basic_mutator(const char* name, options how = {})
+      : basic_mutator(basic_default_domain<Env>(), name, how) {}
+  /// The thread holds no borrowed pointer any more.
+  ~basic_mutator() {
+    SLAMGC_ASSERT(
+        runtime::participants<Env>::of_this_thread().innermost == &me_,
+        (misuse{"ends a mutator that is not the thread's innermost", "mutator", this, 0}));
+    go_offline();
+    me_.domain->leave(record_);
+    me_.domain->release();
+  }
+  basic_mutator(const basic_mutator&) = delete;
+  basic_mutator& operator=(const basic_mutator&) = delete;
+
+  /// The thread holds no borrowed pointer now. A few loads in the common case, and a store when a grace
+  /// period has begun since the last call. Ignored while offline.
+  void quiescent() noexcept {
+    SLAMGC_ASSERT(me_.online, (misuse{"is quiescent while offline", "mutator", this, 0}));
+    if (!me_.online) return;
+    me_.publish();
+    me_.domain->quiescent(record_);
+    me_.pass_quiescent_state();
+  }
+  /// Whether the thread may hold borrowed pointers now.
+  [[nodiscard]] bool is_online() const noexcept { return me_.online; }
+
+  /// The thread holds no borrowed pointer while this exists: for waits, sleeps, and long computations on
+  /// pinned objects.
+  class offline_scope {
+   public:
+    /// Goes offline, if it is not.
+    explicit offline_scope(basic_mutator& m) noexcept : mutator_(m), was_online_(m.is_online()) {
+      if (was_online_) m.go_offline();
+    }
+    /// Goes online again, if it was.
+    ~offline_scope() {
+      if (was_online_) mutator_.go_online();
+    }
+    offline_scope(const offline_scope&) = delete;
+    offline_scope& operator=(const offline_scope&) = delete;
+
+   private:
+    basic_mutator& mutator_;
+    const bool was_online_;
+  };
+  /// The thread may hold borrowed pointers while this exists: for a thread that belongs to the caller and
+  /// is offline in between, one scope per frame.
+  class online_scope {
+   public:
+    /// Goes online, if it is not.
+    explicit online_scope(basic_mutator& m) noexcept : mutator_(m), was_online_(m.is_online()) {
+      if (!was_online_) m.go_online();
+    }
+    /// Goes offline again, if it was.
+    ~online_scope() {
+      if (!was_online_) mutator_.go_offline();
+    }
+    online_scope(const online_scope&) = delete;
+    online_scope& operator=(const online_scope&) = delete;
+
+   private:
+    basic_mutator& mutator_;
+    const bool was_online_;
+  };
+
+ private:
+  void go_online() noexcept {
+    me_.domain->go_online(record_);
+    me_.online = true;
+    me_.pass_quiescent_state();
+  }
+  void go_offline() noexcept {
+    me_.online = false;
+    me_.publish();
+    me_.domain->go_offline(record_);
+  }
+  runtime::mutator_record<Env>& record_;
+  runtime::participant<Env> me_;
+  runtime::participation<Env> taking_part_;
+};
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
