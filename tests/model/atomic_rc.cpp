@@ -70,4 +70,45 @@ struct compare_exchange : domain_model<compare_exchange, 2> {
   }
 };
 
-int main() { return check_models<load_and_exchange, compare_exchange>(); }
+/// Two exchanges: each gets out what exactly one put in.
+struct two_exchanges : domain_model<two_exchanges, 2> {
+  atomic_slot shared;
+  int taken_out = 0;
+
+  void before() {
+    const mutator m(d, "maker");
+    shared = reference(new node(1));
+  }
+  void thread(unsigned i) {
+    const mutator m(d, "exchanges");
+    const reference old = shared.exchange(reference(new node(i == 0 ? 10 : 100)));
+    taken_out += old->value.get();
+  }
+  void after() {
+    require(taken_out == 11 || taken_out == 101, "nothing is taken out twice");
+    shared.store(nullptr);
+    drain();
+  }
+};
+
+/// Two threads replace what they have seen: what goes is dropped once.
+struct replace : domain_model<replace, 2> {
+  static constexpr unsigned context_bound = 1;
+  atomic_slot shared;
+
+  void before() {
+    const mutator m(d, "maker");
+    shared = reference(new node(1));
+  }
+  void thread(unsigned) {
+    const mutator m(d, "replaces");
+    node* seen = shared.get();
+    (void)shared.compare_exchange_strong(seen, reference(new node(2)));
+  }
+  void after() {
+    shared.store(nullptr);
+    drain();
+  }
+};
+
+int main() { return check_models<load_and_exchange, compare_exchange, two_exchanges, replace>(); }

@@ -31,7 +31,11 @@ class work_limit {
 
   /// Called after each object; false when the limit is reached. The clock costs as much as freeing a
   /// small object, so it is read at growing distances as long as objects are quick to handle.
-  bool spend() noexcept { return --until_check_ != 0 || next_check(); }
+  bool spend() noexcept {
+    if (until_check_ <= 1) return next_check();
+    --until_check_;
+    return true;
+  }
 
   /// Other objects follow, which may be slower: the clock is read after the first of them.
   void other_objects() noexcept {
