@@ -26,7 +26,7 @@ int main() {
       KeyFrame* pBad = reference;
       reference = new KeyFrame;
       if (pBad != nullptr) slamgc::retire(pBad);  // SetBadFlag(): tracking may still use it
-      slamgc::default_domain().collect();         // frees what nobody can see any more; never waits
+      slamgc::default_domain().collect({1000});   // frees what nobody can see any more; never waits
     }
     slamgc::retire(reference.get());
     reference = nullptr;

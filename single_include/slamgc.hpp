@@ -183,9 +183,28 @@ class type_name {
 ///
 /// Deferred reference counting: Deutsch and Bobrow 1976; *The Garbage Collection Handbook*, 5.3.
 
-// ---- slamgc/reclaim_at_zero.hpp ----
+// ---- slamgc/edges.hpp ----
 /// @file
-/// The default reclaimer: an object is destroyed as soon as its count falls to zero.
+/// Describing the edges of an object: what a collector needs to know to find cycles.
+///
+/// ```
+/// struct KeyFrame : slamgc::rc_object<KeyFrame, slamgc::fetch_add_counter, slamgc::reclaim_retired> {
+///   template <class Visitor>
+///   void edges(Visitor& v) {
+///     {
+///       const std::lock_guard<std::mutex> lock(mMutexFeatures);
+///       v.edge("mvpMapPoints", mvpMapPoints);
+///     }
+///     const std::lock_guard<std::mutex> lock(mMutexConnections);
+///     v.edge("mpParent", mpParent);
+///     for (auto& list : mvGrid) v.edge("mvGrid", list);
+///   }
+/// ```
+///
+/// One function per type names each counted member once. It takes the program's own locks, since other threads may
+/// change the members meanwhile; it may be called on any thread that collects, at any time while the object exists; it
+/// must not change, count or destroy anything itself, nor throw. Edges do not lead into another domain. A member that is left out makes objects live on that nobody
+/// needs; one that is named twice is reported in the checked flavour, and makes objects live on, too.
 
 // ---- slamgc/detail/header.hpp ----
 /// @file
@@ -733,6 +752,105 @@ void drop_reference(T* p) noexcept {
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// How the references in a counted member are read and dropped.
+template <class Member>
+struct edge_member {
+  static_assert(
+      false_for<Member>::value,
+      "slamgc: an edge is an rc_slot, an atomic_rc or a counted container; an intrusive_rc is "
+      "none, since moving it tells nobody, and a raw pointer is not counted");
+};
+template <class T, class Env>
+struct edge_member<rc_slot<T, Env>> {
+  template <class F>
+  static void each(const rc_slot<T, Env>& member, F f) {
+    if (T* const p = member.get()) f(p);
+  }
+  static void sever(rc_slot<T, Env>& member) noexcept { member = nullptr; }
+};
+template <class T, class Env>
+struct edge_member<atomic_rc<T, Env>> {
+  template <class F>
+  static void each(const atomic_rc<T, Env>& member, F f) {
+    if (T* const p = member.get()) f(p);
+  }
+  static void sever(atomic_rc<T, Env>& member) noexcept { member = nullptr; }
+};
+
+template <class T, class Std, class Reference, class Iterator>
+class counted_container;
+template <class T, class Std, class Reference, class Iterator>
+Reference reference_in(const counted_container<T, Std, Reference, Iterator>&);
+
+template <class Container>
+struct edge_container {
+  using reference = decltype(detail::reference_in(std::declval<const Container&>()));
+
+  template <class F>
+  static void each(const Container& member, F f) {
+    for (const auto& value : member.raw())
+      if (auto* const p = reference()(value)) f(p);
+  }
+  static void sever(Container& member) noexcept { member.clear(); }
+};
+template <class T, class... Options>
+struct edge_member<rc_vector<T, Options...>> : edge_container<rc_vector<T, Options...>> {};
+template <class T, class... Options>
+struct edge_member<rc_list<T, Options...>> : edge_container<rc_list<T, Options...>> {};
+template <class T, class... Options>
+struct edge_member<rc_set<T, Options...>> : edge_container<rc_set<T, Options...>> {};
+template <class T, class M, class... Options>
+struct edge_member<rc_map<T, M, Options...>> : edge_container<rc_map<T, M, Options...>> {};
+template <class K, class T, class... Options>
+struct edge_member<rc_value_map<K, T, Options...>>
+    : edge_container<rc_value_map<K, T, Options...>> {};
+template <class T, class... Options>
+struct edge_member<rc_unordered_set<T, Options...>>
+    : edge_container<rc_unordered_set<T, Options...>> {};
+template <class T, class M, class... Options>
+struct edge_member<rc_unordered_map<T, M, Options...>>
+    : edge_container<rc_unordered_map<T, M, Options...>> {};
+
+/// A visitor that does nothing: whether a type has edges().
+struct edge_probe {
+  template <class Member>
+  void edge(const char*, Member&) {}
+};
+template <class T, class = void>
+struct has_edges : std::false_type {};
+template <class T>
+struct has_edges<T, std::void_t<decltype(std::declval<T&>().edges(std::declval<edge_probe&>()))>>
+    : std::true_type {};
+
+/// A visitor that calls f(p) for each reference.
+template <class F>
+struct reference_visitor {
+  F f;
+
+  template <class Member>
+  void edge(const char*, Member& member) {
+    edge_member<std::remove_const_t<Member>>::each(member, f);
+  }
+};
+/// A visitor that drops all references.
+struct severing_visitor {
+  template <class Member>
+  void edge(const char*, Member& member) {
+    edge_member<Member>::sever(member);
+  }
+};
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/reclaim_at_zero.hpp ----
+/// @file
+/// The default reclaimer: an object is destroyed as soon as its count falls to zero.
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
 
 /// For reclaimers: uncounts a reference to @p object and returns its state word as it was before.
 ///
@@ -915,7 +1033,10 @@ struct collected {
 enum class waited {
   done,       ///< What was waited for has happened.
   timed_out,  ///< A mutator did not pass a quiescent state in time.
-  refused,  ///< The calling thread would wait for itself: it is an online mutator of the domain, or collects.
+  /// The calling thread is an online mutator of the domain, or collects, and would wait for itself; or it is online and never
+  /// reclaims. (Two threads, each an online mutator of the domain that the other one waits for, wait for ever: go offline
+  /// in all domains first.)
+  refused,
 };
 
 }  // namespace slamgc
@@ -933,8 +1054,9 @@ struct type_stats {
   std::size_t object_size = 0;  ///< Bytes of one object, without what it allocates itself.
   std::uint64_t created = 0;    ///< Objects made so far.
   std::uint64_t live = 0;       ///< Objects that exist now.
-  std::uint64_t retired = 0;    ///< Objects declared dead so far.
+  std::uint64_t retired = 0;  ///< Objects declared dead so far, without those that waited already.
   std::uint64_t reclaimed = 0;  ///< Objects destroyed by collectors so far.
+  std::uint64_t stuck = 0;      ///< Retired objects with described edges that others refer to now.
   std::uint64_t backlog = 0;    ///< Objects that wait for a collector now.
 
   /// Bytes of the objects that exist now, without what they allocate themselves.
@@ -952,7 +1074,7 @@ struct mutator_stats {
 
 /// Whom reclamation waits for.
 struct delay {
-  const char* oldest = nullptr;     ///< A mutator that holds the open grace period up; null: none.
+  const char* oldest = nullptr;  ///< Who holds the open grace period up, the longest; null: nobody.
   std::chrono::nanoseconds age{0};  ///< For how long it has held it up.
   std::uint64_t backlog = 0;        ///< Objects that wait.
 };
@@ -1042,6 +1164,7 @@ struct participant {
   std::size_t door;             // which door of each table is its own; 0: none
   bool online;
   bool never_reclaim;
+  std::uint64_t number = 0;            // no other part of the thread ever has it
   std::uint64_t passed = 0;            // which of the thread's quiescent states was its last
   table_door<Env>* pending = nullptr;  // its doors with a chain to publish
 
@@ -1064,7 +1187,7 @@ struct participant {
 template <class Env>
 struct participants {
   participant<Env>* innermost;
-  std::uint64_t current;  // the number of the innermost, which no other part ever has; 0: none
+  std::uint64_t current;  // the number of the innermost; 0: none
   std::uint64_t last;     // the last number that was given
   std::uint64_t quiescent_states;
 
@@ -1092,28 +1215,30 @@ void participant<Env>::pass_quiescent_state() noexcept {
   passed = ++participants<Env>::of_this_thread().quiescent_states;
 }
 
-/// Makes @p part the thread's innermost as long as this exists.
+/// Makes @p part one of the calling thread's, its innermost at first, as long as this exists. They may end in
+/// any order: a `thread_local` mutator outlives automatic ones that were made before it.
 template <class Env>
 class participation {
  public:
   explicit participation(participant<Env>& part) noexcept : part_(part) {
     auto& all = participants<Env>::of_this_thread();
     part_.outer = all.innermost;
-    outer_ = all.current;
+    part_.number = ++all.last;
     all.innermost = &part_;
-    all.current = ++all.last;
+    all.current = part_.number;
   }
   ~participation() {
     auto& all = participants<Env>::of_this_thread();
-    all.innermost = part_.outer;
-    all.current = outer_;
+    participant<Env>** at = &all.innermost;
+    while (*at != nullptr && *at != &part_) at = &(*at)->outer;
+    if (*at != nullptr) *at = part_.outer;
+    all.current = all.innermost != nullptr ? all.innermost->number : 0;
   }
   participation(const participation&) = delete;
   participation& operator=(const participation&) = delete;
 
  private:
   participant<Env>& part_;
-  std::uint64_t outer_;
 };
 
 }  // namespace SLAMGC_SHARED
@@ -1222,8 +1347,8 @@ struct alignas(cache_line) table_door {
   }
 };
 
-/// How far a table came with one phase of a collection.
-enum class progress { done, limit, no_memory };
+template <class Env>
+class trial_deletion;
 
 /// The part of a domain's zero-count table for objects of one type; see zero_count_table.hpp.
 template <class Env>
@@ -1235,19 +1360,27 @@ class table_base {
   static constexpr std::size_t first_of_mutators = 2;
   static constexpr std::size_t doors = first_of_mutators + Env::mutator_doors;
 
-  table_base(const domain_state<Env>& d, const void* t, const char* name, std::size_t size) noexcept
+  table_base(domain_state<Env>& d, const void* t, const char* name, std::size_t size) noexcept
       : domain(d), type(t), type_name(name), object_size(size) {}
   virtual ~table_base() = default;
   table_base(const table_base&) = delete;
   table_base& operator=(const table_base&) = delete;
 
-  /// Notes the words of the objects that have entered, before a grace period. By the collector. What
-  /// finds no memory is noted the next time.
-  virtual progress note(work_limit<Env>& limit, std::size_t& noted) noexcept = 0;
-  /// Decides on the objects that are noted, after it. By the collector.
-  virtual progress decide(work_limit<Env>& limit, std::size_t& reclaimed) noexcept = 0;
+  /// Notes the words of the objects that have entered, before a grace period. What finds no memory is noted the next
+  /// time. By the collector; false if the limit came first.
+  virtual bool note(work_limit<Env>& limit, std::size_t& noted) noexcept = 0;
+  /// Decides on the objects that are noted, after it. By the collector; false if the limit came first.
+  virtual bool decide(work_limit<Env>& limit, std::size_t& reclaimed) noexcept = 0;
 
-  const domain_state<Env>& domain;
+  // For trial deletion (trial_deletion.hpp), by the collector, of a candidate:
+
+  virtual std::uint64_t word_of(const void* object) const noexcept = 0;
+  /// Records each reference to a candidate.
+  virtual void walk(void* object, trial_deletion<Env>& trial) noexcept = 0;
+  virtual void sever(void* object) noexcept = 0;
+  virtual void destroy(void* object) noexcept = 0;
+
+  domain_state<Env>& domain;
   const void* const type;
   const char* const type_name;
   const std::size_t object_size;
@@ -1264,7 +1397,8 @@ class table_base {
   /// Adds to a number of a door: of the shared one, or of the calling thread's.
   void add(door& at, typename door::number door::*number, std::uint64_t n = 1) noexcept {
     if (is_shared(at))
-      (at.*number).fetch_add(n, std::memory_order_relaxed);  // (12)
+      // (26) release: what a thread without a mutator did to its object comes before the end of the table.
+      (at.*number).fetch_add(n, std::memory_order_release);
     else
       add(at.*number, n);
   }
@@ -1274,11 +1408,19 @@ class table_base {
     for (const door& d : doors_) total += (d.*number).load(std::memory_order_relaxed);  // (12)
     return total;
   }
-  std::uint64_t live() const noexcept { return sum(&door::created) - sum(&door::ended); }
+  std::uint64_t live() const noexcept {
+    std::uint64_t ended = 0;
+    for (const door& d : doors_)
+      ended += d.ended.load(
+          std::memory_order_acquire);  // (26) who finds the last one gone may free this.
+    return sum(&door::created) - ended;
+  }
   std::uint64_t reclaimed() const noexcept {
     return reclaimed_.load(std::memory_order_relaxed);  // (12)
   }
-  /// Objects in the table, if nobody changes it meanwhile; never less than none.
+  /// Candidates.
+  std::uint64_t stuck() const noexcept { return stuck_.load(std::memory_order_relaxed); }  // (12)
+  /// Objects that wait, if nobody changes it meanwhile; never less than none.
   std::uint64_t backlog() const noexcept {
     const std::uint64_t left = left_.load(std::memory_order_relaxed);  // (12)
     const std::uint64_t entered = sum(&door::entered);
@@ -1295,6 +1437,330 @@ class table_base {
   // The collector's:
   typename door::number reclaimed_{0};
   typename door::number left_{0};
+  typename door::number stuck_{0};
+};
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc
+// ---- slamgc/detail/trial_deletion.hpp ----
+/// @file
+/// Trial deletion: retired objects that nothing but each other refers to.
+///
+/// The *candidates* are retired objects that are still referred to. A round of trial deletion
+/// 1. *begins*: notes the state word of each candidate;
+/// 2. *records*, for each candidate, its references to candidates, by a walk of its edges, and counts those that
+///    each of them has from candidates;
+/// 3. *excludes* each candidate that has others, and what is recorded to be reached from it;
+/// 4. after a grace period that began after 2, *checks* the words of all that are left: one that has changed is
+///    excluded, as in 3;
+/// 5. *severs* what is left, and destroys it.
+///
+/// **What is left is out of everybody's sight**: docs/design.md, "Cycles". There, too, is why 3 and 4 must not walk the
+/// edges a second time.
+///
+/// Each phase can stop after any object and goes on in the next call. No thread ever waits for it, but for the locks
+/// of the program that edges() takes. Linear in the edges of the candidates; no recursion.
+///
+/// Trial deletion: Christopher 1984; Bacon and Rajan 2001; *The Garbage Collection Handbook*, 5.5. The use of versions in
+/// place of a second, synchronous walk is ours.
+
+#include <new>
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+template <class Env>
+struct candidate;
+
+/// The references that a round has recorded, one candidate's after the other's.
+template <class Env>
+class edge_list {
+  struct block {
+    static constexpr std::size_t size = 1023;
+    block* next = nullptr;
+    candidate<Env>* targets[size];
+  };
+
+ public:
+  /// Of a reference, or the end.
+  class place {
+   public:
+    candidate<Env>* next() noexcept {
+      if (index_ == block::size) {
+        block_ = block_->next;
+        index_ = 0;
+      }
+      return block_->targets[index_++];
+    }
+
+   private:
+    friend class edge_list;
+    block* block_;
+    std::size_t index_;
+  };
+
+  edge_list() noexcept { clear(); }
+  ~edge_list() {
+    clear();
+    delete first_.next;
+  }
+  edge_list(const edge_list&) = delete;
+  edge_list& operator=(const edge_list&) = delete;
+
+  place end() const noexcept { return end_; }
+  /// False if there is no memory.
+  bool add(candidate<Env>& target) noexcept {
+    if (end_.index_ == block::size) {
+      if (end_.block_->next == nullptr) end_.block_->next = new (std::nothrow) block;
+      if (end_.block_->next == nullptr) return false;
+      end_.block_ = end_.block_->next;
+      end_.index_ = 0;
+    }
+    end_.block_->targets[end_.index_++] = &target;
+    return true;
+  }
+  /// Keeps the memory of one block.
+  void clear() noexcept {
+    if (block* const kept = first_.next) {
+      while (block* const more = kept->next) {
+        kept->next = more->next;
+        delete more;
+      }
+    }
+    end_.block_ = &first_;
+    end_.index_ = block::size;  // the first one holds nothing
+  }
+
+ private:
+  block first_;
+  place end_;
+};
+
+/// A retired object that is still referred to. Its link names this, with a mark in the lowest bit, which no
+/// other value of a link has.
+template <class Env>
+struct candidate {
+  void* object;
+  table_base<Env>* table;
+  std::uint64_t noted;
+  std::uint32_t inner;  // references from candidates
+  bool fresh;           // not in a round yet
+  bool live;            // excluded
+  candidate* next;
+  candidate* next_marked;
+  typename edge_list<Env>::place first_edge;
+  std::size_t edges;
+
+  static void* link_to(candidate* c) noexcept {
+    return static_cast<char*>(static_cast<void*>(c)) + 1;
+  }
+  static candidate* of_link(void* link) noexcept {
+    if ((reinterpret_cast<std::uintptr_t>(link) & 1) == 0) return nullptr;
+    return static_cast<candidate*>(static_cast<void*>(static_cast<char*>(link) - 1));
+  }
+};
+
+template <class Env>
+class trial_deletion {
+ public:
+  using candidate_type = candidate<Env>;
+  using limit_type = work_limit<Env>;
+
+  trial_deletion() noexcept = default;
+  ~trial_deletion() {
+    while (blocks_ != nullptr) {
+      block* const next = blocks_->next;
+      delete blocks_;
+      blocks_ = next;
+    }
+  }
+  trial_deletion(const trial_deletion&) = delete;
+  trial_deletion& operator=(const trial_deletion&) = delete;
+
+  /// The new candidate, or null if there is no memory.
+  candidate_type* add(void* object, table_base<Env>& table) noexcept {
+    if (free_ == nullptr && !grow()) return nullptr;
+    candidate_type* const c = free_;
+    free_ = c->next;
+    *c = {object, &table, 0, 0, true, true, first_, nullptr, edges_.end(), 0};
+    first_ = c;
+    return c;
+  }
+  /// Steps 1 to 3, before the grace period. False if the limit came first.
+  bool find(limit_type& limit) noexcept {
+    if (phase_ == phase::idle) {
+      changed_ = false;
+      start(phase::beginning);
+    }
+    if (phase_ == phase::beginning) {
+      while (candidate_type* const c = next()) {
+        const std::uint64_t now = c->table->word_of(c->object);
+        changed_ = changed_ || !same_references(now, c->noted);  // a new one was noted as 0
+        c->noted = now;
+        c->inner = 0;
+        c->fresh = c->live = false;
+        if (!limit.spend()) return false;
+      }
+      // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
+      // stored it yet will have done so after a grace period: so one more round after the last change.
+      const bool worth_it = changed_ || unsettled_;
+      unsettled_ = changed_;
+      start(worth_it ? phase::recording : phase::idle);
+    }
+    if (phase_ == phase::recording) {
+      while (candidate_type* const c = next()) {
+        walked_ = c;
+        c->first_edge = edges_.end();
+        c->edges = 0;
+        if (!c->fresh) c->table->walk(c->object, *this);
+        if (out_of_memory_) return give_up();
+        if (!limit.spend()) return false;
+      }
+      start(phase::excluding);
+    }
+    if (phase_ == phase::excluding) {
+      while (exclude_marked(limit)) {
+        candidate_type* const c = next();
+        if (c == nullptr) {
+          start(any_left() ? phase::checking : phase::idle);
+          return true;
+        }
+        if (c->inner != state_word{c->noted}.count()) mark(*c);
+      }
+      return false;
+    }
+    return true;
+  }
+  /// Whether find() has left something for decide().
+  bool found() const noexcept { return phase_ >= phase::checking; }
+  /// Whether find() has to be called again after a grace period.
+  bool unsettled() const noexcept { return unsettled_; }
+
+  /// Steps 4 and 5, after the grace period. False if the limit came first.
+  bool decide(limit_type& limit, std::size_t& reclaimed) noexcept {
+    if (phase_ == phase::checking) {
+      for (;;) {
+        if (!exclude_marked(limit)) return false;
+        candidate_type* const c = next();
+        if (c == nullptr) break;
+        if (c->live) continue;
+        if (!same_references(c->table->word_of(c->object), c->noted)) mark(*c);
+        if (!limit.spend()) return false;
+      }
+      start(phase::severing);
+    }
+    if (phase_ == phase::severing) {
+      while (candidate_type* const c = next()) {
+        if (c->live) continue;
+        c->table->sever(c->object);
+        if (!limit.spend()) return false;
+      }
+      rest_ = first_;
+      first_ = nullptr;
+      phase_ = phase::destroying;
+    }
+    if (phase_ == phase::destroying) {
+      while (candidate_type* const c = rest_) {
+        rest_ = c->next;
+        if (c->live) {
+          c->next = first_;
+          first_ = c;
+          continue;
+        }
+        c->table->destroy(c->object);
+        ++reclaimed;
+        c->next = free_;
+        free_ = c;
+        if (!limit.spend()) return false;
+      }
+      phase_ = phase::idle;
+    }
+    return true;
+  }
+
+  /// For walks: the candidate that is walked refers to this one.
+  void record(candidate_type& target) noexcept {
+    if (out_of_memory_ || !edges_.add(target)) {
+      out_of_memory_ = true;
+      return;
+    }
+    ++walked_->edges;
+    ++target.inner;
+  }
+
+ private:
+  enum class phase { idle, beginning, recording, excluding, checking, severing, destroying };
+  struct block {
+    static constexpr std::size_t size = 255;
+    block* next;
+    candidate_type candidates[size];
+  };
+
+  static bool same_references(std::uint64_t a, std::uint64_t b) noexcept {
+    return state_word{a}.same_references({b});
+  }
+  void start(phase p) noexcept {
+    phase_ = p;
+    at_ = first_;
+    if (p == phase::recording) edges_.clear();
+  }
+  candidate_type* next() noexcept {
+    candidate_type* const c = at_;
+    if (c != nullptr) at_ = c->next;
+    return c;
+  }
+  bool any_left() const noexcept {
+    const candidate_type* c = first_;
+    while (c != nullptr && c->live) c = c->next;
+    return c != nullptr;
+  }
+  void mark(candidate_type& c) noexcept {
+    if (c.live) return;
+    c.live = true;
+    c.next_marked = marked_;
+    marked_ = &c;
+  }
+  /// Marks what the marked ones refer to. False if the limit came first.
+  bool exclude_marked(limit_type& limit) noexcept {
+    while (candidate_type* const c = marked_) {
+      marked_ = c->next_marked;
+      auto edge = c->first_edge;
+      for (std::size_t i = 0; i != c->edges; ++i) mark(*edge.next());
+      if (!limit.spend()) return false;
+    }
+    return true;
+  }
+  /// Without memory this round finds nothing; another one will.
+  bool give_up() noexcept {
+    out_of_memory_ = false;
+    unsettled_ = true;
+    start(phase::idle);
+    return true;
+  }
+  bool grow() noexcept {
+    block* const more = new (std::nothrow) block;
+    if (more == nullptr) return false;
+    more->next = blocks_;
+    blocks_ = more;
+    for (candidate_type& c : more->candidates) {
+      c.next = free_;
+      free_ = &c;
+    }
+    return true;
+  }
+
+  phase phase_ = phase::idle;
+  bool out_of_memory_ = false;
+  bool changed_ = false;
+  bool unsettled_ = false;
+  candidate_type* first_ = nullptr;
+  candidate_type* walked_ = nullptr;
+  edge_list<Env> edges_;
+  candidate_type* at_ = nullptr;      // the next one in this phase
+  candidate_type* marked_ = nullptr;  // excluded, not walked yet
+  candidate_type* rest_ = nullptr;    // not destroyed or put back yet
+  candidate_type* free_ = nullptr;
+  block* blocks_ = nullptr;
 };
 
 }  // namespace SLAMGC_SHARED
@@ -1339,6 +1805,8 @@ class collection {
     backlog_context_ = context;
   }
 
+  trial_deletion<Env>& trial() noexcept { return trial_; }
+
   // ---- reports
 
   /// The grace period that is waited for, or 0.
@@ -1355,7 +1823,7 @@ class collection {
   delay delayed(const domain& of) const noexcept {
     delay now;
     const std::uint64_t target = open();
-    if (const auto* const oldest = target == 0 ? nullptr : of.behind(target)) {
+    if (const auto* const oldest = of.oldest(target)) {
       now.oldest = oldest->name.load(std::memory_order_relaxed);                             // (12)
       now.age = time() - std::chrono::nanoseconds(opened_.load(std::memory_order_relaxed));  // (12)
     }
@@ -1379,10 +1847,11 @@ class collection {
           noted_ = 0;
         }
         for (; at_ != nullptr; at_ = at_->next)
-          if (at_->note(work, noted_) == progress::limit) return outcome::partial;
+          if (!at_->note(work, noted_)) return outcome::partial;
         // What entered and is not noted is in a chain of a mutator, which publishes it at the latest when
         // the grace period is over.
-        if (noted_ == 0 && backlog(of) == 0) {
+        if (!trial_.find(work)) return outcome::partial;
+        if (noted_ == 0 && !trial_.found() && !trial_.unsettled() && backlog(of) == 0) {
           batch_ = nullptr;
           return outcome::done;
         }
@@ -1399,12 +1868,14 @@ class collection {
         at_ = batch_;
         phase_ = phase::deciding;
       }
+      const bool tried = trial_.found() || trial_.unsettled();
+      if (!trial_.decide(work, reclaimed)) return outcome::partial;
       for (; at_ != nullptr; at_ = at_->next)
-        if (at_->decide(work, reclaimed) == progress::limit) return outcome::partial;
+        if (!at_->decide(work, reclaimed)) return outcome::partial;
       batch_ = nullptr;
       phase_ = phase::noting;
       // For a thread that is about to push something; one that was at work when the round began has done so.
-      if (noted_ == 0 && std::exchange(found_nothing, true)) return outcome::waiting;
+      if (noted_ == 0 && !tried && std::exchange(found_nothing, true)) return outcome::waiting;
     }
   }
 
@@ -1433,7 +1904,8 @@ class collection {
   phase phase_ = phase::noting;
   table* batch_ = nullptr;  // the tables of this round, from the newest
   table* at_ = nullptr;     // the next one
-  std::size_t noted_ = 0;   // objects in this round
+  trial_deletion<Env> trial_;
+  std::size_t noted_ = 0;  // objects in this round
   std::uint64_t target_ = 0;
   std::uint64_t backlog_limit_ = 0;
   void (*backlog_hook_)(const delay&, void*) = nullptr;
@@ -1535,6 +2007,17 @@ class domain_state {
     }
     return nullptr;
   }
+  /// Of those, the one that has passed no quiescent state for the longest time.
+  const record* oldest(std::uint64_t target) const noexcept {
+    const record* found = nullptr;
+    for (const record* r = first_record(); r != nullptr; r = r->next) {
+      const std::uint64_t at = r->epoch.load(std::memory_order_relaxed);  // (12)
+      if (at == record::offline || at >= target) continue;
+      found = r;
+      target = at;
+    }
+    return found;
+  }
   const record* first_record() const noexcept {
     return records_.load(std::memory_order_acquire);  // (14)
   }
@@ -1594,8 +2077,6 @@ domain_state<Env>& default_state() {
 // ---- slamgc/detail/note_list.hpp ----
 /// @file
 /// A queue whose memory can run out without harm.
-
-#include <new>
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
@@ -1706,15 +2187,21 @@ namespace detail {
 template <class T>
 inline constexpr char type_key = 0;
 
+/// Marks the reclaimers that defer.
+struct deferred_base {};
+template <class T>
+struct is_deferred : std::is_base_of<deferred_base, reclaimer_of<T>> {};
+
 template <class T>
 class zero_count_table final : public runtime::table_base<typename policy_of<T>::env> {
   using env = typename policy_of<T>::env;
   using base = runtime::table_base<env>;
   using policy = policy_of<T>;
   using typename base::door;
+  using candidate = runtime::candidate<env>;
 
  public:
-  explicit zero_count_table(const runtime::domain_state<env>& of) noexcept
+  explicit zero_count_table(runtime::domain_state<env>& of) noexcept
       : base(of, &type_key<T>, slamgc::detail::type_name<T>::get(), sizeof(T)) {}
 
   /// The table of T in @p domain, or null.
@@ -1760,24 +2247,60 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
     at.chain = object;
   }
 
-  runtime::progress note(runtime::work_limit<env>& limit, std::size_t& noted) noexcept override {
+  bool note(runtime::work_limit<env>& limit, std::size_t& noted) noexcept override {
     for (;;) {
       while (taken_ != nullptr) {
         auto& header = access::header_of(*taken_);
-        if (!notes_.add({taken_, policy::load(header.state)})) return runtime::progress::no_memory;
-        ++noted;
-        taken_ = static_cast<T*>(header.link.load(std::memory_order_relaxed));  // (11)
-        if (!limit.spend()) return runtime::progress::limit;
+        void* const below = header.link.load(std::memory_order_relaxed);  // (11)
+        const std::uint64_t word = policy::load(header.state);
+        if (is_candidate(word)) {
+          if (!become_candidate(taken_)) return true;
+          base::add(this->left_, 1);
+        } else {
+          if (!notes_.add({taken_, word})) return true;
+          ++noted;
+        }
+        taken_ = static_cast<T*>(below);
+        if (!limit.spend()) return false;
       }
       if (at_door_ == base::doors) break;
       taken_ = static_cast<T*>(this->doors_[at_door_++].take());
     }
     at_door_ = 0;
-    return runtime::progress::done;
+    return true;
   }
 
-  runtime::progress decide(runtime::work_limit<env>& limit,
-                           std::size_t& reclaimed) noexcept override {
+  std::uint64_t word_of(const void* object) const noexcept override {
+    return policy::load(access::header_of(*static_cast<const T*>(object)).state);
+  }
+  void walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
+    if constexpr (has_edges<T>::value) {
+      const auto record = [&trial](auto* p) {
+        using target = object_of<std::remove_pointer_t<decltype(p)>>;
+        if constexpr (is_deferred<target>::value && has_edges<target>::value) {
+          // (11) only the collector stores what names a candidate.
+          void* const link = access::header_of(*p).link.load(std::memory_order_relaxed);
+          if (candidate* const c = candidate::of_link(link)) trial.record(*c);
+        }
+      };
+      reference_visitor<decltype(record)> visitor{record};
+      static_cast<T*>(object)->edges(visitor);
+    }
+  }
+  void sever(void* object) noexcept override {
+    if constexpr (has_edges<T>::value) {
+      severing_visitor visitor;
+      static_cast<T*>(object)->edges(visitor);
+    }
+  }
+  void destroy(void* object) noexcept override {
+    destroy_object(static_cast<T*>(object));
+    base::add(this->stuck_, std::uint64_t{0} - 1);
+    base::add(this->reclaimed_, 1);
+    base::add(this->doors_[base::collectors_door].ended, 1);
+  }
+
+  bool decide(runtime::work_limit<env>& limit, std::size_t& reclaimed) noexcept override {
     std::size_t left = 0;
     std::size_t destroyed = 0;
     bool more = true;
@@ -1795,7 +2318,7 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
     base::add(this->reclaimed_, destroyed);
     base::add(this->doors_[base::collectors_door].ended, destroyed);
     reclaimed += destroyed;
-    return more ? runtime::progress::done : runtime::progress::limit;
+    return more;
   }
 
  private:
@@ -1815,10 +2338,28 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
         push(e.object);
         return false;
       }
+      if (is_candidate(now)) {
+        if (!become_candidate(e.object)) push(e.object);
+        return false;
+      }
       // (13) published by clearing the flag: compare_exchange (6) releases.
       header.link.store(this, std::memory_order_relaxed);
       if (policy::compare_exchange(header.state, now, now & ~state_word::queued_flag)) return false;
     }
+  }
+
+  /// Retired, described, and still referred to: in place of leaving, it is tried.
+  static constexpr bool is_candidate(std::uint64_t word) noexcept {
+    return has_edges<T>::value && state_word{word}.count() != 0 && state_word{word}.is_retired();
+  }
+  /// False if there is no memory.
+  bool become_candidate(T* object) noexcept {
+    auto* const c = this->domain.collection.trial().add(object, *this);
+    if (c == nullptr) return false;
+    // (11) read by collectors alone.
+    access::header_of(*object).link.store(candidate::link_to(c), std::memory_order_relaxed);
+    base::add(this->stuck_, 1);
+    return true;
   }
 
   // The collector's:
@@ -1851,6 +2392,8 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
 /// Quiescent-state-based reclamation: Hart, McKenney, Brown and Walpole 2007. Orders:
 /// docs/memory-model.md.
 
+#include <algorithm>
+
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
@@ -1872,7 +2415,12 @@ class basic_domain {
   /// standard error stream; they stay valid, and are not reclaimed any more. No other thread may be
   /// collecting; mutators may outlive it.
   ~basic_domain() {
-    (void)state_->collection.collect(*state_, {});
+    if (!never_reclaims()) {
+      const collected last = state_->collection.collect(*state_, {});
+      SLAMGC_ASSERT(last.result != outcome::busy,
+                    (misuse{"ends a domain that is being collected", "domain", this, 0}));
+      (void)last;
+    }
     for (table* t = state_->tables(); t != nullptr; t = t->next)
       if (const std::uint64_t live = t->live())
         std::fprintf(stderr, "slamgc: a domain ends while %llu objects of type %s exist\n",
@@ -1910,10 +2458,17 @@ class basic_domain {
       std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) noexcept {
     if (is_online() || is_collecting()) return waited::refused;
     bool refused = false;
+    const auto begin = clock::now();
+    const auto ends_with = [&] {
+      budget left;
+      left.time = timeout - std::min<std::chrono::nanoseconds>(timeout, clock::now() - begin);
+      return collect(left).result;
+    };
     const waited result = wait(timeout, [&] {
-      const outcome now = collect().result;
+      const outcome now = ends_with();
       refused = now == outcome::refused;
-      return refused || now == outcome::done;
+      // The first call may only have ended what an earlier one began.
+      return refused || (now == outcome::done && ends_with() == outcome::done);
     });
     return refused ? waited::refused : result;
   }
@@ -1930,6 +2485,7 @@ class basic_domain {
       s.live = t->live();
       s.retired = t->sum(&door::retired);
       s.reclaimed = t->reclaimed();
+      s.stuck = t->stuck();
       s.backlog = t->backlog();
       all.types.push_back(s);
     }
@@ -1979,7 +2535,7 @@ class basic_domain {
   }
   static bool never_reclaims() noexcept {
     for (auto* p = participants::of_this_thread().innermost; p != nullptr; p = p->outer)
-      if (p->never_reclaim) return true;
+      if (p->never_reclaim && p->online) return true;
     return false;
   }
 
@@ -2143,14 +2699,6 @@ struct current_place {
   }
 };
 
-/// The table of T in the domain of the thread's innermost part, if there are both: for who must not throw.
-template <class T>
-zero_count_table<T>* known_table() noexcept {
-  const auto* const me =
-      runtime::participants<typename policy_of<T>::env>::of_this_thread().innermost;
-  return me != nullptr ? zero_count_table<T>::find(*me->domain) : nullptr;
-}
-
 /// Whether the calling thread may have borrowed from @p domain: it takes part there, or borrows nowhere.
 template <class Env>
 bool may_borrow_from(const runtime::domain_state<Env>& domain) noexcept {
@@ -2160,7 +2708,6 @@ bool may_borrow_from(const runtime::domain_state<Env>& domain) noexcept {
 }
 
 /// What both reclaimers do. `AtZero`: an object that was not retired is reclaimed, too.
-struct deferred_base {};
 template <bool AtZero>
 struct deferred : deferred_base {
   /// Removes a reference. An object that nobody refers to waits for a collector. Lock-free; never
@@ -2225,39 +2772,40 @@ struct reclaim_deferred : detail::deferred<true> {};
 struct reclaim_retired : detail::deferred<false> {};
 
 /// Declares *p dead: it is destroyed once its count is zero and no mutator can have a borrowed
-/// pointer to it. Objects that were never counted, too. Returns false if it was retired before, and does
-/// nothing then.
+/// pointer to it. Objects that were never counted, too. Returns false if it was retired before or is null,
+/// and does nothing then.
 ///
 /// By an online mutator of the object's domain, or by a thread that keeps a counted reference and is no mutator of
-/// another domain only. Lock-free; never allocates or destroys.
+/// another domain only, which is reported unless the object waits already. Lock-free; never allocates or destroys.
 template <class T>
 bool retire(T* p) noexcept {
-  static_assert(std::is_base_of<detail::deferred_base, detail::reclaimer_of<T>>::value,
+  static_assert(detail::is_deferred<T>::value,
                 "slamgc: only objects with a deferred reclaimer can be retired");
   using policy = detail::policy_of<T>;
   using env = typename policy::env;
   using object = detail::object_of<T>;
-  using table_type = detail::zero_count_table<object>;
-  auto& state = detail::access::header_of(*p).state;
+  if (p == nullptr) return false;
+  auto* const target = const_cast<object*>(static_cast<const object*>(p));
+  auto& state = detail::access::header_of(*target).state;
   std::uint64_t now = policy::load(state);
   for (;;) {
     const state_word w{now};
     if (w.is_retired()) return false;
-    const bool enters = w.count() == 0 && !w.is_queued();
-    // While the object is queued its link names no table: it is counted as one of the current domain, which
-    // is its own unless the thread lives by a counted reference.
-    auto* const table = w.is_queued() ? detail::known_table<object>() : table_type::of(*p);
+    // With described edges it is a candidate for trial deletion, whoever refers to it.
+    const bool enters = !w.is_queued() && (w.count() == 0 || detail::has_edges<object>::value);
+    // Of an object that is queued the link names no table; it is not used then.
+    auto* const table = detail::zero_count_table<object>::of(*target);
     const std::uint64_t then =
         now | state_word::retired_flag | (enters ? state_word::queued_flag : 0);
     if (!policy::compare_exchange(state, now, then)) continue;
-    if (table == nullptr) return true;
+    if (w.is_queued()) return true;
     SLAMGC_ASSERT(detail::may_borrow_from(table->domain),
                   (misuse{"retires an object of another domain than the thread's",
                           detail::type_name<T>::get(), p, w.count()}));
     runtime::participant<env>* me;
     auto& door = table->my_door(me);
     table->add(door, &runtime::table_door<env>::retired);
-    if (enters) table->push(p, door, me);
+    if (enters) table->push(target, door, me);
     return true;
   }
 }
@@ -2637,7 +3185,7 @@ class atomic_rc {
   static intrusive_rc<T> adopted(T* p) noexcept { return intrusive_rc<T>(moved(p), false); }
   static void check_borrower() noexcept {
     static_assert(
-        std::is_base_of<detail::deferred_base, detail::reclaimer_of<T>>::value,
+        detail::is_deferred<T>::value,
         "slamgc: what an atomic_rc refers to needs a deferred reclaimer: another thread could "
         "destroy it before load() has counted it");
     SLAMGC_ASSERT(runtime::participants<Env>::borrower() != nullptr,
@@ -2660,7 +3208,8 @@ inline namespace SLAMGC_FLAVOUR {
 /// A local `T*` that says that it is borrowed: `slamgc::borrow<KeyFrame> pKF = mpReferenceKF;`.
 ///
 /// In the checked flavour each use checks that the thread is an online mutator, the same as when the pointer
-/// was borrowed, and that it has passed no quiescent state since. (Destructors that a collector runs may borrow, too.) In the unchecked flavour it is a pointer and
+/// was borrowed, and that it has passed no quiescent state since. (Destructors that a collector runs may borrow, too.) On a
+/// thread with several mutators that is the innermost online one, whatever the object's domain. In the unchecked flavour it is a pointer and
 /// nothing else. For locals and parameters only: it is larger in the checked flavour.
 ///
 /// Thread-safety: it belongs to the thread that made it. Every use is O(mutators of the thread).
@@ -4093,7 +4642,7 @@ inline namespace SLAMGC_FLAVOUR {
 /// How a mutator registers.
 struct mutator_options {
   bool online = true;          ///< Begins online; else with its first online_scope.
-  bool never_reclaim = false;  ///< Real-time thread: collect() is refused on it.
+  bool never_reclaim = false;  ///< Real-time thread: collect() is refused while it is online.
 };
 
 /// Registers the calling thread with a domain, for as long as it exists.
@@ -4102,8 +4651,7 @@ struct mutator_options {
 /// valid until its next quiescent(). It must call that regularly, at a point where it holds none, such as
 /// the end of its loop; or go offline. Its end, by an exception too, delays nobody and loses nothing.
 ///
-/// Made, used and destroyed by one thread. A thread may have several, also of different domains, if the
-/// last made is the first destroyed. Registering is O(records ever in use at once); everything else is O(1), plus one
+/// Made, used and destroyed by one thread. A thread may have several, also of different domains. Registering is O(records ever in use at once); everything else is O(1), plus one
 /// compare-and-swap for each type of which objects entered the table since the last quiescent state.
 template <class Env>
 class basic_mutator {
@@ -4113,7 +4661,7 @@ class basic_mutator {
   /// Registers with @p to. @p name is shown in reports; it has to stay valid, as a string literal does.
   /// Throws std::bad_alloc.
   basic_mutator(basic_domain<Env>& to, const char* name, options how = {})
-      : record_(detail::domain_access::state_of(to).enter(name)),
+      : record_(detail::domain_access::state_of(to).enter(name != nullptr ? name : "")),
         me_{nullptr,          &detail::domain_access::state_of(to), &record_, record_.door, false,
             how.never_reclaim},
         taking_part_(me_) {
@@ -4126,8 +4674,9 @@ class basic_mutator {
   /// The thread holds no borrowed pointer any more.
   ~basic_mutator() {
     SLAMGC_ASSERT(
-        runtime::participants<Env>::of_this_thread().innermost == &me_,
-        (misuse{"ends a mutator that is not the thread's innermost", "mutator", this, 0}));
+        (runtime::participants<Env>::any_in(
+            *me_.domain, [this](const runtime::participant<Env>& p) { return &p == &me_; })),
+        (misuse{"ends a mutator on another thread than its own", "mutator", this, 0}));
     go_offline();
     me_.domain->leave(record_);
     me_.domain->release();
@@ -4135,8 +4684,8 @@ class basic_mutator {
   basic_mutator(const basic_mutator&) = delete;
   basic_mutator& operator=(const basic_mutator&) = delete;
 
-  /// The thread holds no borrowed pointer now. A few loads in the common case, and a store when a grace
-  /// period has begun since the last call. Ignored while offline.
+  /// The thread holds no borrowed pointer now. A few loads and stores of its own memory in the common case, and one
+  /// that others see when a grace period has begun since the last call. Ignored while offline.
   void quiescent() noexcept {
     SLAMGC_ASSERT(me_.online, (misuse{"is quiescent while offline", "mutator", this, 0}));
     if (!me_.online) return;
@@ -4393,6 +4942,9 @@ struct reclaim_by_scan {
   static void* first_link() noexcept {
     return nullptr;
   }
+  /// Nothing is to be done for an object that the program deletes; one that is in a set is reported.
+  template <class T>
+  static void last_link(void*) noexcept {}
   /// Nothing is destroyed while a count changes.
   template <class T>
   struct scope {
@@ -4425,10 +4977,11 @@ class retire_set {
   retire_set(const retire_set&) = delete;
   retire_set& operator=(const retire_set&) = delete;
 
-  /// Declares *object dead. Returns false if it was dead already: it is in a set once. O(1).
+  /// Declares *object dead. Returns false if it was dead already, since it is in a set once, or is null. O(1).
   bool insert(T* object) noexcept {
     static_assert(std::is_same<detail::reclaimer_of<T>, reclaim_by_scan>::value,
                   "slamgc: objects of a retire_set need the reclaimer reclaim_by_scan");
+    if (object == nullptr) return false;
     auto& state = detail::access::header_of(*object).state;
     std::uint64_t now = policy::load(state);
     do {

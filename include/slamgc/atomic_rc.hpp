@@ -91,7 +91,7 @@ class atomic_rc {
   static intrusive_rc<T> adopted(T* p) noexcept { return intrusive_rc<T>(moved(p), false); }
   static void check_borrower() noexcept {
     static_assert(
-        std::is_base_of<detail::deferred_base, detail::reclaimer_of<T>>::value,
+        detail::is_deferred<T>::value,
         "slamgc: what an atomic_rc refers to needs a deferred reclaimer: another thread could "
         "destroy it before load() has counted it");
     SLAMGC_ASSERT(runtime::participants<Env>::borrower() != nullptr,

@@ -2,6 +2,7 @@
 /// A thread that collects.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <functional>
@@ -18,8 +19,8 @@ inline namespace SLAMGC_FLAVOUR {
 
 /// How a background_reclaimer works.
 struct reclaimer_options {
-  /// Between two slices. After one that used its budget up: as long as it took, if that is shorter, so that
-  /// a large backlog takes half of a processor and no more.
+  /// Between two slices. After one that used its budget up: as long as that took, so that a large backlog takes
+  /// half of a processor and no more.
   std::chrono::nanoseconds pause = std::chrono::milliseconds(5);
   budget slice{static_cast<std::size_t>(-1), std::chrono::milliseconds(2)};  ///< Of one slice.
   std::function<void()> on_start;  ///< Called first on the new thread: sets its priority, say.
@@ -31,7 +32,7 @@ struct reclaimer_options {
 /// A thread of its own that collects a domain in slices, until stop() or its destruction.
 ///
 /// Thread-safety: stop() and wake() by any thread. The functions in its options run on its thread, one at a time, and
-/// must not throw.
+/// must not throw; neither they nor destructors on that thread may destroy the reclaimer.
 class background_reclaimer {
  public:
   /// Starts the thread. The domain must outlive it. Throws what starting a thread throws.
@@ -50,9 +51,10 @@ class background_reclaimer {
     }
     change_.notify_one();
   }
-  /// Ends the thread, then drains the domain on the calling one. Refused for an online mutator of the
-  /// domain, as drain() is; the thread has ended then, too.
+  /// Ends the thread, then drains the domain on the calling one. Refused where drain() is, and the thread has ended
+  /// then; and on the thread itself, which goes on.
   [[nodiscard]] waited stop(std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) {
+    if (std::this_thread::get_id() == thread_.get_id()) return waited::refused;
     end();
     return domain_.drain(timeout);
   }
@@ -80,8 +82,9 @@ class background_reclaimer {
         told = end;
         tell();
       }
-      std::chrono::nanoseconds pause = options_.pause;
-      if (did.result == collected::outcome::partial && end - begin < pause) pause = end - begin;
+      // A longer one would overflow the clock of wait_for.
+      auto pause = std::min<std::chrono::nanoseconds>(options_.pause, std::chrono::hours(24));
+      if (did.result == collected::outcome::partial) pause = end - begin;
       lock.lock();
       change_.wait_for(lock, pause, [this] { return ending_ || woken_; });
       woken_ = false;

@@ -16,7 +16,8 @@ inline namespace SLAMGC_FLAVOUR {
 /// A local `T*` that says that it is borrowed: `slamgc::borrow<KeyFrame> pKF = mpReferenceKF;`.
 ///
 /// In the checked flavour each use checks that the thread is an online mutator, the same as when the pointer
-/// was borrowed, and that it has passed no quiescent state since. (Destructors that a collector runs may borrow, too.) In the unchecked flavour it is a pointer and
+/// was borrowed, and that it has passed no quiescent state since. (Destructors that a collector runs may borrow, too.) On a
+/// thread with several mutators that is the innermost online one, whatever the object's domain. In the unchecked flavour it is a pointer and
 /// nothing else. For locals and parameters only: it is larger in the checked flavour.
 ///
 /// Thread-safety: it belongs to the thread that made it. Every use is O(mutators of the thread).

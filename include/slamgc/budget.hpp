@@ -33,7 +33,10 @@ struct collected {
 enum class waited {
   done,       ///< What was waited for has happened.
   timed_out,  ///< A mutator did not pass a quiescent state in time.
-  refused,  ///< The calling thread would wait for itself: it is an online mutator of the domain, or collects.
+  /// The calling thread is an online mutator of the domain, or collects, and would wait for itself; or it is online and never
+  /// reclaims. (Two threads, each an online mutator of the domain that the other one waits for, wait for ever: go offline
+  /// in all domains first.)
+  refused,
 };
 
 }  // namespace slamgc

@@ -44,14 +44,6 @@ struct current_place {
   }
 };
 
-/// The table of T in the domain of the thread's innermost part, if there are both: for who must not throw.
-template <class T>
-zero_count_table<T>* known_table() noexcept {
-  const auto* const me =
-      runtime::participants<typename policy_of<T>::env>::of_this_thread().innermost;
-  return me != nullptr ? zero_count_table<T>::find(*me->domain) : nullptr;
-}
-
 /// Whether the calling thread may have borrowed from @p domain: it takes part there, or borrows nowhere.
 template <class Env>
 bool may_borrow_from(const runtime::domain_state<Env>& domain) noexcept {
@@ -61,7 +53,6 @@ bool may_borrow_from(const runtime::domain_state<Env>& domain) noexcept {
 }
 
 /// What both reclaimers do. `AtZero`: an object that was not retired is reclaimed, too.
-struct deferred_base {};
 template <bool AtZero>
 struct deferred : deferred_base {
   /// Removes a reference. An object that nobody refers to waits for a collector. Lock-free; never
@@ -126,39 +117,40 @@ struct reclaim_deferred : detail::deferred<true> {};
 struct reclaim_retired : detail::deferred<false> {};
 
 /// Declares *p dead: it is destroyed once its count is zero and no mutator can have a borrowed
-/// pointer to it. Objects that were never counted, too. Returns false if it was retired before, and does
-/// nothing then.
+/// pointer to it. Objects that were never counted, too. Returns false if it was retired before or is null,
+/// and does nothing then.
 ///
 /// By an online mutator of the object's domain, or by a thread that keeps a counted reference and is no mutator of
-/// another domain only. Lock-free; never allocates or destroys.
+/// another domain only, which is reported unless the object waits already. Lock-free; never allocates or destroys.
 template <class T>
 bool retire(T* p) noexcept {
-  static_assert(std::is_base_of<detail::deferred_base, detail::reclaimer_of<T>>::value,
+  static_assert(detail::is_deferred<T>::value,
                 "slamgc: only objects with a deferred reclaimer can be retired");
   using policy = detail::policy_of<T>;
   using env = typename policy::env;
   using object = detail::object_of<T>;
-  using table_type = detail::zero_count_table<object>;
-  auto& state = detail::access::header_of(*p).state;
+  if (p == nullptr) return false;
+  auto* const target = const_cast<object*>(static_cast<const object*>(p));
+  auto& state = detail::access::header_of(*target).state;
   std::uint64_t now = policy::load(state);
   for (;;) {
     const state_word w{now};
     if (w.is_retired()) return false;
-    const bool enters = w.count() == 0 && !w.is_queued();
-    // While the object is queued its link names no table: it is counted as one of the current domain, which
-    // is its own unless the thread lives by a counted reference.
-    auto* const table = w.is_queued() ? detail::known_table<object>() : table_type::of(*p);
+    // With described edges it is a candidate for trial deletion, whoever refers to it.
+    const bool enters = !w.is_queued() && (w.count() == 0 || detail::has_edges<object>::value);
+    // Of an object that is queued the link names no table; it is not used then.
+    auto* const table = detail::zero_count_table<object>::of(*target);
     const std::uint64_t then =
         now | state_word::retired_flag | (enters ? state_word::queued_flag : 0);
     if (!policy::compare_exchange(state, now, then)) continue;
-    if (table == nullptr) return true;
+    if (w.is_queued()) return true;
     SLAMGC_ASSERT(detail::may_borrow_from(table->domain),
                   (misuse{"retires an object of another domain than the thread's",
                           detail::type_name<T>::get(), p, w.count()}));
     runtime::participant<env>* me;
     auto& door = table->my_door(me);
     table->add(door, &runtime::table_door<env>::retired);
-    if (enters) table->push(p, door, me);
+    if (enters) table->push(target, door, me);
     return true;
   }
 }

@@ -19,6 +19,7 @@
 /// docs/memory-model.md.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -53,7 +54,12 @@ class basic_domain {
   /// standard error stream; they stay valid, and are not reclaimed any more. No other thread may be
   /// collecting; mutators may outlive it.
   ~basic_domain() {
-    (void)state_->collection.collect(*state_, {});
+    if (!never_reclaims()) {
+      const collected last = state_->collection.collect(*state_, {});
+      SLAMGC_ASSERT(last.result != outcome::busy,
+                    (misuse{"ends a domain that is being collected", "domain", this, 0}));
+      (void)last;
+    }
     for (table* t = state_->tables(); t != nullptr; t = t->next)
       if (const std::uint64_t live = t->live())
         std::fprintf(stderr, "slamgc: a domain ends while %llu objects of type %s exist\n",
@@ -91,10 +97,17 @@ class basic_domain {
       std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) noexcept {
     if (is_online() || is_collecting()) return waited::refused;
     bool refused = false;
+    const auto begin = clock::now();
+    const auto ends_with = [&] {
+      budget left;
+      left.time = timeout - std::min<std::chrono::nanoseconds>(timeout, clock::now() - begin);
+      return collect(left).result;
+    };
     const waited result = wait(timeout, [&] {
-      const outcome now = collect().result;
+      const outcome now = ends_with();
       refused = now == outcome::refused;
-      return refused || now == outcome::done;
+      // The first call may only have ended what an earlier one began.
+      return refused || (now == outcome::done && ends_with() == outcome::done);
     });
     return refused ? waited::refused : result;
   }
@@ -111,6 +124,7 @@ class basic_domain {
       s.live = t->live();
       s.retired = t->sum(&door::retired);
       s.reclaimed = t->reclaimed();
+      s.stuck = t->stuck();
       s.backlog = t->backlog();
       all.types.push_back(s);
     }
@@ -160,7 +174,7 @@ class basic_domain {
   }
   static bool never_reclaims() noexcept {
     for (auto* p = participants::of_this_thread().innermost; p != nullptr; p = p->outer)
-      if (p->never_reclaim) return true;
+      if (p->never_reclaim && p->online) return true;
     return false;
   }
 

@@ -13,7 +13,7 @@ inline namespace SLAMGC_FLAVOUR {
 /// How a mutator registers.
 struct mutator_options {
   bool online = true;          ///< Begins online; else with its first online_scope.
-  bool never_reclaim = false;  ///< Real-time thread: collect() is refused on it.
+  bool never_reclaim = false;  ///< Real-time thread: collect() is refused while it is online.
 };
 
 /// Registers the calling thread with a domain, for as long as it exists.
@@ -22,8 +22,7 @@ struct mutator_options {
 /// valid until its next quiescent(). It must call that regularly, at a point where it holds none, such as
 /// the end of its loop; or go offline. Its end, by an exception too, delays nobody and loses nothing.
 ///
-/// Made, used and destroyed by one thread. A thread may have several, also of different domains, if the
-/// last made is the first destroyed. Registering is O(records ever in use at once); everything else is O(1), plus one
+/// Made, used and destroyed by one thread. A thread may have several, also of different domains. Registering is O(records ever in use at once); everything else is O(1), plus one
 /// compare-and-swap for each type of which objects entered the table since the last quiescent state.
 template <class Env>
 class basic_mutator {
@@ -33,7 +32,7 @@ class basic_mutator {
   /// Registers with @p to. @p name is shown in reports; it has to stay valid, as a string literal does.
   /// Throws std::bad_alloc.
   basic_mutator(basic_domain<Env>& to, const char* name, options how = {})
-      : record_(detail::domain_access::state_of(to).enter(name)),
+      : record_(detail::domain_access::state_of(to).enter(name != nullptr ? name : "")),
         me_{nullptr,          &detail::domain_access::state_of(to), &record_, record_.door, false,
             how.never_reclaim},
         taking_part_(me_) {
@@ -46,8 +45,9 @@ class basic_mutator {
   /// The thread holds no borrowed pointer any more.
   ~basic_mutator() {
     SLAMGC_ASSERT(
-        runtime::participants<Env>::of_this_thread().innermost == &me_,
-        (misuse{"ends a mutator that is not the thread's innermost", "mutator", this, 0}));
+        (runtime::participants<Env>::any_in(
+            *me_.domain, [this](const runtime::participant<Env>& p) { return &p == &me_; })),
+        (misuse{"ends a mutator on another thread than its own", "mutator", this, 0}));
     go_offline();
     me_.domain->leave(record_);
     me_.domain->release();
@@ -55,8 +55,8 @@ class basic_mutator {
   basic_mutator(const basic_mutator&) = delete;
   basic_mutator& operator=(const basic_mutator&) = delete;
 
-  /// The thread holds no borrowed pointer now. A few loads in the common case, and a store when a grace
-  /// period has begun since the last call. Ignored while offline.
+  /// The thread holds no borrowed pointer now. A few loads and stores of its own memory in the common case, and one
+  /// that others see when a grace period has begun since the last call. Ignored while offline.
   void quiescent() noexcept {
     SLAMGC_ASSERT(me_.online, (misuse{"is quiescent while offline", "mutator", this, 0}));
     if (!me_.online) return;

@@ -27,6 +27,9 @@ struct reclaim_by_scan {
   static void* first_link() noexcept {
     return nullptr;
   }
+  /// Nothing is to be done for an object that the program deletes; one that is in a set is reported.
+  template <class T>
+  static void last_link(void*) noexcept {}
   /// Nothing is destroyed while a count changes.
   template <class T>
   struct scope {
@@ -59,10 +62,11 @@ class retire_set {
   retire_set(const retire_set&) = delete;
   retire_set& operator=(const retire_set&) = delete;
 
-  /// Declares *object dead. Returns false if it was dead already: it is in a set once. O(1).
+  /// Declares *object dead. Returns false if it was dead already, since it is in a set once, or is null. O(1).
   bool insert(T* object) noexcept {
     static_assert(std::is_same<detail::reclaimer_of<T>, reclaim_by_scan>::value,
                   "slamgc: objects of a retire_set need the reclaimer reclaim_by_scan");
+    if (object == nullptr) return false;
     auto& state = detail::access::header_of(*object).state;
     std::uint64_t now = policy::load(state);
     do {

@@ -15,6 +15,7 @@
 #include "counter.hpp"
 #include "deferred.hpp"
 #include "domain.hpp"
+#include "edges.hpp"
 #include "env.hpp"
 #include "fwd.hpp"
 #include "intrusive_rc.hpp"

@@ -15,8 +15,9 @@ struct type_stats {
   std::size_t object_size = 0;  ///< Bytes of one object, without what it allocates itself.
   std::uint64_t created = 0;    ///< Objects made so far.
   std::uint64_t live = 0;       ///< Objects that exist now.
-  std::uint64_t retired = 0;    ///< Objects declared dead so far.
+  std::uint64_t retired = 0;  ///< Objects declared dead so far, without those that waited already.
   std::uint64_t reclaimed = 0;  ///< Objects destroyed by collectors so far.
+  std::uint64_t stuck = 0;      ///< Retired objects with described edges that others refer to now.
   std::uint64_t backlog = 0;    ///< Objects that wait for a collector now.
 
   /// Bytes of the objects that exist now, without what they allocate themselves.
@@ -34,7 +35,7 @@ struct mutator_stats {
 
 /// Whom reclamation waits for.
 struct delay {
-  const char* oldest = nullptr;     ///< A mutator that holds the open grace period up; null: none.
+  const char* oldest = nullptr;  ///< Who holds the open grace period up, the longest; null: nobody.
   std::chrono::nanoseconds age{0};  ///< For how long it has held it up.
   std::uint64_t backlog = 0;        ///< Objects that wait.
 };

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <memory>
 #include <mutex>
 #include <random>
 #include <slamgc/slamgc.hpp>
@@ -288,6 +289,27 @@ TYPED_TEST(MutatorStress, TheRetireSetNeedsNoMutators) {
     shared = nullptr;
   }
   EXPECT_EQ(node_type::live(), 0);
+}
+
+// The last use of a domain's state is that of a thread without a mutator, which deletes an object of its own.
+TEST(MutatorStress, StateThatAThreadWithoutAMutatorUsedLast) {
+  struct own : slamgc::rc_object<own, slamgc::fetch_add_counter, slamgc::reclaim_deferred> {};
+  for (int i = 0; i != rounds(); ++i) {
+    auto domain = std::make_unique<slamgc::domain>();
+    own* p = nullptr;
+    {
+      const slamgc::mutator m(*domain, "maker");
+      p = new own;
+    }
+    std::atomic<bool> deleted{false};
+    std::thread other([&] {
+      delete p;
+      deleted.store(true, std::memory_order_relaxed);
+    });
+    while (!deleted.load(std::memory_order_relaxed)) std::this_thread::yield();
+    domain.reset();
+    other.join();
+  }
 }
 
 }  // namespace

@@ -19,6 +19,7 @@
 #include "clock.hpp"
 #include "participant.hpp"
 #include "table_base.hpp"
+#include "trial_deletion.hpp"
 
 namespace slamgc {
 namespace runtime SLAMGC_SHARED {
@@ -59,6 +60,8 @@ class collection {
     backlog_context_ = context;
   }
 
+  trial_deletion<Env>& trial() noexcept { return trial_; }
+
   // ---- reports
 
   /// The grace period that is waited for, or 0.
@@ -75,7 +78,7 @@ class collection {
   delay delayed(const domain& of) const noexcept {
     delay now;
     const std::uint64_t target = open();
-    if (const auto* const oldest = target == 0 ? nullptr : of.behind(target)) {
+    if (const auto* const oldest = of.oldest(target)) {
       now.oldest = oldest->name.load(std::memory_order_relaxed);                             // (12)
       now.age = time() - std::chrono::nanoseconds(opened_.load(std::memory_order_relaxed));  // (12)
     }
@@ -99,10 +102,11 @@ class collection {
           noted_ = 0;
         }
         for (; at_ != nullptr; at_ = at_->next)
-          if (at_->note(work, noted_) == progress::limit) return outcome::partial;
+          if (!at_->note(work, noted_)) return outcome::partial;
         // What entered and is not noted is in a chain of a mutator, which publishes it at the latest when
         // the grace period is over.
-        if (noted_ == 0 && backlog(of) == 0) {
+        if (!trial_.find(work)) return outcome::partial;
+        if (noted_ == 0 && !trial_.found() && !trial_.unsettled() && backlog(of) == 0) {
           batch_ = nullptr;
           return outcome::done;
         }
@@ -119,12 +123,14 @@ class collection {
         at_ = batch_;
         phase_ = phase::deciding;
       }
+      const bool tried = trial_.found() || trial_.unsettled();
+      if (!trial_.decide(work, reclaimed)) return outcome::partial;
       for (; at_ != nullptr; at_ = at_->next)
-        if (at_->decide(work, reclaimed) == progress::limit) return outcome::partial;
+        if (!at_->decide(work, reclaimed)) return outcome::partial;
       batch_ = nullptr;
       phase_ = phase::noting;
       // For a thread that is about to push something; one that was at work when the round began has done so.
-      if (noted_ == 0 && std::exchange(found_nothing, true)) return outcome::waiting;
+      if (noted_ == 0 && !tried && std::exchange(found_nothing, true)) return outcome::waiting;
     }
   }
 
@@ -153,7 +159,8 @@ class collection {
   phase phase_ = phase::noting;
   table* batch_ = nullptr;  // the tables of this round, from the newest
   table* at_ = nullptr;     // the next one
-  std::size_t noted_ = 0;   // objects in this round
+  trial_deletion<Env> trial_;
+  std::size_t noted_ = 0;  // objects in this round
   std::uint64_t target_ = 0;
   std::uint64_t backlog_limit_ = 0;
   void (*backlog_hook_)(const delay&, void*) = nullptr;

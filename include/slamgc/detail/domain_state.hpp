@@ -104,6 +104,17 @@ class domain_state {
     }
     return nullptr;
   }
+  /// Of those, the one that has passed no quiescent state for the longest time.
+  const record* oldest(std::uint64_t target) const noexcept {
+    const record* found = nullptr;
+    for (const record* r = first_record(); r != nullptr; r = r->next) {
+      const std::uint64_t at = r->epoch.load(std::memory_order_relaxed);  // (12)
+      if (at == record::offline || at >= target) continue;
+      found = r;
+      target = at;
+    }
+    return found;
+  }
   const record* first_record() const noexcept {
     return records_.load(std::memory_order_acquire);  // (14)
   }

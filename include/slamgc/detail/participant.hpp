@@ -38,6 +38,7 @@ struct participant {
   std::size_t door;             // which door of each table is its own; 0: none
   bool online;
   bool never_reclaim;
+  std::uint64_t number = 0;            // no other part of the thread ever has it
   std::uint64_t passed = 0;            // which of the thread's quiescent states was its last
   table_door<Env>* pending = nullptr;  // its doors with a chain to publish
 
@@ -60,7 +61,7 @@ struct participant {
 template <class Env>
 struct participants {
   participant<Env>* innermost;
-  std::uint64_t current;  // the number of the innermost, which no other part ever has; 0: none
+  std::uint64_t current;  // the number of the innermost; 0: none
   std::uint64_t last;     // the last number that was given
   std::uint64_t quiescent_states;
 
@@ -88,28 +89,30 @@ void participant<Env>::pass_quiescent_state() noexcept {
   passed = ++participants<Env>::of_this_thread().quiescent_states;
 }
 
-/// Makes @p part the thread's innermost as long as this exists.
+/// Makes @p part one of the calling thread's, its innermost at first, as long as this exists. They may end in
+/// any order: a `thread_local` mutator outlives automatic ones that were made before it.
 template <class Env>
 class participation {
  public:
   explicit participation(participant<Env>& part) noexcept : part_(part) {
     auto& all = participants<Env>::of_this_thread();
     part_.outer = all.innermost;
-    outer_ = all.current;
+    part_.number = ++all.last;
     all.innermost = &part_;
-    all.current = ++all.last;
+    all.current = part_.number;
   }
   ~participation() {
     auto& all = participants<Env>::of_this_thread();
-    all.innermost = part_.outer;
-    all.current = outer_;
+    participant<Env>** at = &all.innermost;
+    while (*at != nullptr && *at != &part_) at = &(*at)->outer;
+    if (*at != nullptr) *at = part_.outer;
+    all.current = all.innermost != nullptr ? all.innermost->number : 0;
   }
   participation(const participation&) = delete;
   participation& operator=(const participation&) = delete;
 
  private:
   participant<Env>& part_;
-  std::uint64_t outer_;
 };
 
 }  // namespace SLAMGC_SHARED

@@ -111,8 +111,8 @@ struct alignas(cache_line) table_door {
   }
 };
 
-/// How far a table came with one phase of a collection.
-enum class progress { done, limit, no_memory };
+template <class Env>
+class trial_deletion;
 
 /// The part of a domain's zero-count table for objects of one type; see zero_count_table.hpp.
 template <class Env>
@@ -124,19 +124,27 @@ class table_base {
   static constexpr std::size_t first_of_mutators = 2;
   static constexpr std::size_t doors = first_of_mutators + Env::mutator_doors;
 
-  table_base(const domain_state<Env>& d, const void* t, const char* name, std::size_t size) noexcept
+  table_base(domain_state<Env>& d, const void* t, const char* name, std::size_t size) noexcept
       : domain(d), type(t), type_name(name), object_size(size) {}
   virtual ~table_base() = default;
   table_base(const table_base&) = delete;
   table_base& operator=(const table_base&) = delete;
 
-  /// Notes the words of the objects that have entered, before a grace period. By the collector. What
-  /// finds no memory is noted the next time.
-  virtual progress note(work_limit<Env>& limit, std::size_t& noted) noexcept = 0;
-  /// Decides on the objects that are noted, after it. By the collector.
-  virtual progress decide(work_limit<Env>& limit, std::size_t& reclaimed) noexcept = 0;
+  /// Notes the words of the objects that have entered, before a grace period. What finds no memory is noted the next
+  /// time. By the collector; false if the limit came first.
+  virtual bool note(work_limit<Env>& limit, std::size_t& noted) noexcept = 0;
+  /// Decides on the objects that are noted, after it. By the collector; false if the limit came first.
+  virtual bool decide(work_limit<Env>& limit, std::size_t& reclaimed) noexcept = 0;
 
-  const domain_state<Env>& domain;
+  // For trial deletion (trial_deletion.hpp), by the collector, of a candidate:
+
+  virtual std::uint64_t word_of(const void* object) const noexcept = 0;
+  /// Records each reference to a candidate.
+  virtual void walk(void* object, trial_deletion<Env>& trial) noexcept = 0;
+  virtual void sever(void* object) noexcept = 0;
+  virtual void destroy(void* object) noexcept = 0;
+
+  domain_state<Env>& domain;
   const void* const type;
   const char* const type_name;
   const std::size_t object_size;
@@ -153,7 +161,8 @@ class table_base {
   /// Adds to a number of a door: of the shared one, or of the calling thread's.
   void add(door& at, typename door::number door::*number, std::uint64_t n = 1) noexcept {
     if (is_shared(at))
-      (at.*number).fetch_add(n, std::memory_order_relaxed);  // (12)
+      // (26) release: what a thread without a mutator did to its object comes before the end of the table.
+      (at.*number).fetch_add(n, std::memory_order_release);
     else
       add(at.*number, n);
   }
@@ -163,11 +172,19 @@ class table_base {
     for (const door& d : doors_) total += (d.*number).load(std::memory_order_relaxed);  // (12)
     return total;
   }
-  std::uint64_t live() const noexcept { return sum(&door::created) - sum(&door::ended); }
+  std::uint64_t live() const noexcept {
+    std::uint64_t ended = 0;
+    for (const door& d : doors_)
+      ended += d.ended.load(
+          std::memory_order_acquire);  // (26) who finds the last one gone may free this.
+    return sum(&door::created) - ended;
+  }
   std::uint64_t reclaimed() const noexcept {
     return reclaimed_.load(std::memory_order_relaxed);  // (12)
   }
-  /// Objects in the table, if nobody changes it meanwhile; never less than none.
+  /// Candidates.
+  std::uint64_t stuck() const noexcept { return stuck_.load(std::memory_order_relaxed); }  // (12)
+  /// Objects that wait, if nobody changes it meanwhile; never less than none.
   std::uint64_t backlog() const noexcept {
     const std::uint64_t left = left_.load(std::memory_order_relaxed);  // (12)
     const std::uint64_t entered = sum(&door::entered);
@@ -184,6 +201,7 @@ class table_base {
   // The collector's:
   typename door::number reclaimed_{0};
   typename door::number left_{0};
+  typename door::number stuck_{0};
 };
 
 }  // namespace SLAMGC_SHARED

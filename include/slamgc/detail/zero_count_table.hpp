@@ -29,11 +29,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
+#include "../edges.hpp"
 #include "../reclaim_at_zero.hpp"
 #include "domain_state.hpp"
 #include "header.hpp"
 #include "note_list.hpp"
+#include "trial_deletion.hpp"
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
@@ -43,15 +46,21 @@ namespace detail {
 template <class T>
 inline constexpr char type_key = 0;
 
+/// Marks the reclaimers that defer.
+struct deferred_base {};
+template <class T>
+struct is_deferred : std::is_base_of<deferred_base, reclaimer_of<T>> {};
+
 template <class T>
 class zero_count_table final : public runtime::table_base<typename policy_of<T>::env> {
   using env = typename policy_of<T>::env;
   using base = runtime::table_base<env>;
   using policy = policy_of<T>;
   using typename base::door;
+  using candidate = runtime::candidate<env>;
 
  public:
-  explicit zero_count_table(const runtime::domain_state<env>& of) noexcept
+  explicit zero_count_table(runtime::domain_state<env>& of) noexcept
       : base(of, &type_key<T>, slamgc::detail::type_name<T>::get(), sizeof(T)) {}
 
   /// The table of T in @p domain, or null.
@@ -97,24 +106,60 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
     at.chain = object;
   }
 
-  runtime::progress note(runtime::work_limit<env>& limit, std::size_t& noted) noexcept override {
+  bool note(runtime::work_limit<env>& limit, std::size_t& noted) noexcept override {
     for (;;) {
       while (taken_ != nullptr) {
         auto& header = access::header_of(*taken_);
-        if (!notes_.add({taken_, policy::load(header.state)})) return runtime::progress::no_memory;
-        ++noted;
-        taken_ = static_cast<T*>(header.link.load(std::memory_order_relaxed));  // (11)
-        if (!limit.spend()) return runtime::progress::limit;
+        void* const below = header.link.load(std::memory_order_relaxed);  // (11)
+        const std::uint64_t word = policy::load(header.state);
+        if (is_candidate(word)) {
+          if (!become_candidate(taken_)) return true;
+          base::add(this->left_, 1);
+        } else {
+          if (!notes_.add({taken_, word})) return true;
+          ++noted;
+        }
+        taken_ = static_cast<T*>(below);
+        if (!limit.spend()) return false;
       }
       if (at_door_ == base::doors) break;
       taken_ = static_cast<T*>(this->doors_[at_door_++].take());
     }
     at_door_ = 0;
-    return runtime::progress::done;
+    return true;
   }
 
-  runtime::progress decide(runtime::work_limit<env>& limit,
-                           std::size_t& reclaimed) noexcept override {
+  std::uint64_t word_of(const void* object) const noexcept override {
+    return policy::load(access::header_of(*static_cast<const T*>(object)).state);
+  }
+  void walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
+    if constexpr (has_edges<T>::value) {
+      const auto record = [&trial](auto* p) {
+        using target = object_of<std::remove_pointer_t<decltype(p)>>;
+        if constexpr (is_deferred<target>::value && has_edges<target>::value) {
+          // (11) only the collector stores what names a candidate.
+          void* const link = access::header_of(*p).link.load(std::memory_order_relaxed);
+          if (candidate* const c = candidate::of_link(link)) trial.record(*c);
+        }
+      };
+      reference_visitor<decltype(record)> visitor{record};
+      static_cast<T*>(object)->edges(visitor);
+    }
+  }
+  void sever(void* object) noexcept override {
+    if constexpr (has_edges<T>::value) {
+      severing_visitor visitor;
+      static_cast<T*>(object)->edges(visitor);
+    }
+  }
+  void destroy(void* object) noexcept override {
+    destroy_object(static_cast<T*>(object));
+    base::add(this->stuck_, std::uint64_t{0} - 1);
+    base::add(this->reclaimed_, 1);
+    base::add(this->doors_[base::collectors_door].ended, 1);
+  }
+
+  bool decide(runtime::work_limit<env>& limit, std::size_t& reclaimed) noexcept override {
     std::size_t left = 0;
     std::size_t destroyed = 0;
     bool more = true;
@@ -132,7 +177,7 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
     base::add(this->reclaimed_, destroyed);
     base::add(this->doors_[base::collectors_door].ended, destroyed);
     reclaimed += destroyed;
-    return more ? runtime::progress::done : runtime::progress::limit;
+    return more;
   }
 
  private:
@@ -152,10 +197,28 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
         push(e.object);
         return false;
       }
+      if (is_candidate(now)) {
+        if (!become_candidate(e.object)) push(e.object);
+        return false;
+      }
       // (13) published by clearing the flag: compare_exchange (6) releases.
       header.link.store(this, std::memory_order_relaxed);
       if (policy::compare_exchange(header.state, now, now & ~state_word::queued_flag)) return false;
     }
+  }
+
+  /// Retired, described, and still referred to: in place of leaving, it is tried.
+  static constexpr bool is_candidate(std::uint64_t word) noexcept {
+    return has_edges<T>::value && state_word{word}.count() != 0 && state_word{word}.is_retired();
+  }
+  /// False if there is no memory.
+  bool become_candidate(T* object) noexcept {
+    auto* const c = this->domain.collection.trial().add(object, *this);
+    if (c == nullptr) return false;
+    // (11) read by collectors alone.
+    access::header_of(*object).link.store(candidate::link_to(c), std::memory_order_relaxed);
+    base::add(this->stuck_, 1);
+    return true;
   }
 
   // The collector's:
