@@ -203,7 +203,8 @@ class type_name {
 ///
 /// One function per type names each counted member once. It takes the program's own locks, since other threads may
 /// change the members meanwhile; it may be called on any thread that collects, at any time while the object exists; it
-/// must not change, count or destroy anything itself, nor throw. Edges do not lead into another domain. A member that is left out makes objects live on that nobody
+/// must not change, count or destroy anything itself, nor throw. Edges do not lead into another domain.
+/// collect() must not be called under a lock that an edges() takes. A member that is left out makes objects live on that nobody
 /// needs; one that is named twice is reported in the checked flavour, and makes objects live on, too.
 
 // ---- slamgc/detail/header.hpp ----
@@ -1054,7 +1055,7 @@ struct type_stats {
   std::size_t object_size = 0;  ///< Bytes of one object, without what it allocates itself.
   std::uint64_t created = 0;    ///< Objects made so far.
   std::uint64_t live = 0;       ///< Objects that exist now.
-  std::uint64_t retired = 0;  ///< Objects declared dead so far, without those that waited already.
+  std::uint64_t retired = 0;    ///< Objects declared dead so far; see retire().
   std::uint64_t reclaimed = 0;  ///< Objects destroyed by collectors so far.
   std::uint64_t stuck = 0;      ///< Retired objects with described edges that others refer to now.
   std::uint64_t backlog = 0;    ///< Objects that wait for a collector now.
@@ -2699,6 +2700,14 @@ struct current_place {
   }
 };
 
+/// The table of T in the domain of the thread's innermost part, if there are both: for who must not throw.
+template <class T>
+zero_count_table<T>* known_table() noexcept {
+  const auto* const me =
+      runtime::participants<typename policy_of<T>::env>::of_this_thread().innermost;
+  return me != nullptr ? zero_count_table<T>::find(*me->domain) : nullptr;
+}
+
 /// Whether the calling thread may have borrowed from @p domain: it takes part there, or borrows nowhere.
 template <class Env>
 bool may_borrow_from(const runtime::domain_state<Env>& domain) noexcept {
@@ -2776,7 +2785,8 @@ struct reclaim_retired : detail::deferred<false> {};
 /// and does nothing then.
 ///
 /// By an online mutator of the object's domain, or by a thread that keeps a counted reference and is no mutator of
-/// another domain only, which is reported unless the object waits already. Lock-free; never allocates or destroys.
+/// another domain only, which is reported unless the object waits already. (If it does, it counts in stats() as retired
+/// in the domain of the calling thread's mutator, or not at all.) Lock-free; never allocates or destroys.
 template <class T>
 bool retire(T* p) noexcept {
   static_assert(detail::is_deferred<T>::value,
@@ -2793,12 +2803,14 @@ bool retire(T* p) noexcept {
     if (w.is_retired()) return false;
     // With described edges it is a candidate for trial deletion, whoever refers to it.
     const bool enters = !w.is_queued() && (w.count() == 0 || detail::has_edges<object>::value);
-    // Of an object that is queued the link names no table; it is not used then.
-    auto* const table = detail::zero_count_table<object>::of(*target);
+    // Of an object that is queued the link names no table. It is counted as one of the thread's domain, which is
+    // its own unless the thread lives by a counted reference.
+    auto* const table = w.is_queued() ? detail::known_table<object>()
+                                      : detail::zero_count_table<object>::of(*target);
     const std::uint64_t then =
         now | state_word::retired_flag | (enters ? state_word::queued_flag : 0);
     if (!policy::compare_exchange(state, now, then)) continue;
-    if (w.is_queued()) return true;
+    if (table == nullptr) return true;
     SLAMGC_ASSERT(detail::may_borrow_from(table->domain),
                   (misuse{"retires an object of another domain than the thread's",
                           detail::type_name<T>::get(), p, w.count()}));

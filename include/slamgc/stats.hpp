@@ -15,7 +15,7 @@ struct type_stats {
   std::size_t object_size = 0;  ///< Bytes of one object, without what it allocates itself.
   std::uint64_t created = 0;    ///< Objects made so far.
   std::uint64_t live = 0;       ///< Objects that exist now.
-  std::uint64_t retired = 0;  ///< Objects declared dead so far, without those that waited already.
+  std::uint64_t retired = 0;    ///< Objects declared dead so far; see retire().
   std::uint64_t reclaimed = 0;  ///< Objects destroyed by collectors so far.
   std::uint64_t stuck = 0;      ///< Retired objects with described edges that others refer to now.
   std::uint64_t backlog = 0;    ///< Objects that wait for a collector now.

@@ -13,4 +13,4 @@ struct frame : slamgc::rc_object<frame, slamgc::fetch_add_counter, slamgc::recla
   }
 };
 
-bool cull(frame* p) { return slamgc::retire(p); }
+frame* make() { return new frame; }
