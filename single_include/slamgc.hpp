@@ -204,8 +204,8 @@ class type_name {
 /// One function per type names each counted member once. It takes the program's own locks, since other threads may
 /// change the members meanwhile; it may be called on any thread that collects, at any time while the object exists; it
 /// must not change, count or destroy anything itself, nor throw. Edges do not lead into another domain.
-/// collect() must not be called under a lock that an edges() takes. A member that is left out makes objects live on that nobody
-/// needs; one that is named twice is reported in the checked flavour, and makes objects live on, too.
+/// collect() must not be called under a lock that an edges() takes. A member that is left out, or named twice, makes
+/// objects live on that nobody needs; it never makes one die too early.
 
 // ---- slamgc/detail/header.hpp ----
 /// @file
