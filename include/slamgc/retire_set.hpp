@@ -57,8 +57,19 @@ class retire_set {
  public:
   /// Empty.
   retire_set() noexcept = default;
-  /// Scans once more; what is still counted is left alone, and is not destroyed any more.
-  ~retire_set() { (void)scan(); }
+  /// Scans once more; what is still counted is left alone: it is the program's again.
+  ~retire_set() {
+    (void)scan();
+    // (25) acquire: sees the links that push() wrote.
+    T* left = first_.exchange(nullptr, std::memory_order_acquire);
+    while (left != nullptr) {
+      auto& header = detail::access::header_of(*left);
+      left = static_cast<T*>(header.link.load(std::memory_order_relaxed));  // (25)
+      std::uint64_t now = policy::load(header.state);
+      while (!policy::compare_exchange(header.state, now, now & ~state_word::queued_flag)) {
+      }
+    }
+  }
   retire_set(const retire_set&) = delete;
   retire_set& operator=(const retire_set&) = delete;
 

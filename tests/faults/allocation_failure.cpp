@@ -35,18 +35,24 @@ void* allocate_or_throw(std::size_t size, std::size_t alignment) {
 }  // namespace
 
 // NOLINTBEGIN(misc-new-delete-overloads)
-void* operator new(std::size_t n) { return allocate_or_throw(n, 1); }
-void* operator new(std::size_t n, std::align_val_t a) {
+// Not inlined: g++ would see memory of operator new go to free().
+__attribute__((noinline)) void* operator new(std::size_t n) { return allocate_or_throw(n, 1); }
+__attribute__((noinline)) void* operator new(std::size_t n, std::align_val_t a) {
   return allocate_or_throw(n, static_cast<std::size_t>(a));
 }
-void* operator new(std::size_t n, const std::nothrow_t&) noexcept { return allocate(n, 1); }
-void* operator new(std::size_t n, std::align_val_t a, const std::nothrow_t&) noexcept {
+__attribute__((noinline)) void* operator new(std::size_t n, const std::nothrow_t&) noexcept {
+  return allocate(n, 1);
+}
+__attribute__((noinline)) void* operator new(std::size_t n, std::align_val_t a,
+                                             const std::nothrow_t&) noexcept {
   return allocate(n, static_cast<std::size_t>(a));
 }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+__attribute__((noinline)) void operator delete(void* p) noexcept { std::free(p); }
+__attribute__((noinline)) void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+__attribute__((noinline)) void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+__attribute__((noinline)) void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
+  std::free(p);
+}
 // NOLINTEND(misc-new-delete-overloads)
 
 namespace {

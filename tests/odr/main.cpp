@@ -19,11 +19,14 @@ int main() {
     }
   }
   // A mutator of one flavour holds the reclamation of the other up: they share the domain.
-  for (const auto& [borrow, retire] :
-       {std::pair(borrow_checked, retire_unchecked), std::pair(borrow_unchecked, retire_checked)}) {
+  const struct {
+    void (*borrow)(const std::function<void()>&);
+    int (*retire)();
+  } pairs[] = {{borrow_checked, retire_unchecked}, {borrow_unchecked, retire_checked}};
+  for (const auto& pair : pairs) {
     int alive = -1;
-    borrow([&alive, retire = retire] { alive = retire(); });
-    const int alive_later = retire();
+    pair.borrow([&alive, &pair] { alive = pair.retire(); });
+    const int alive_later = pair.retire();
     if (alive == 1 && alive_later == 0) continue;
     std::printf("alive: %d while borrowed, %d later\n", alive, alive_later);
     ++failures;
