@@ -62,7 +62,7 @@ class basic_mutator {
     if (!me_.online) return;
     me_.publish();
     me_.domain->quiescent(record_);
-    me_.pass_quiescent_state();
+    gave_up_borrowed();
   }
   /// Whether the thread may hold borrowed pointers now.
   [[nodiscard]] bool is_online() const noexcept { return me_.online; }
@@ -110,13 +110,20 @@ class basic_mutator {
   void go_online() noexcept {
     me_.domain->go_online(record_);
     me_.online = true;
-    me_.pass_quiescent_state();
+    gave_up_borrowed();
   }
   void go_offline() noexcept {
     me_.online = false;
     me_.publish();
     me_.domain->go_offline(record_);
   }
+  /// Only the checks of borrow.hpp want to know.
+  void gave_up_borrowed() noexcept {
+#if SLAMGC_DEBUG
+    me_.pass_quiescent_state();
+#endif
+  }
+
   runtime::mutator_record<Env>& record_;
   runtime::participant<Env> me_;
   runtime::participation<Env> taking_part_;

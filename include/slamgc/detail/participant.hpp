@@ -48,7 +48,7 @@ struct participant {
   /// Whether pointers may be borrowed: the collector's destructors, too, read what their objects refer to.
   bool may_borrow() const noexcept { return online || record == nullptr; }
 
-  /// What was borrowed before is not valid any more; only the checks of borrow.hpp want to know.
+  /// What was borrowed before is not valid any more; for the checks of borrow.hpp.
   void pass_quiescent_state() noexcept;
 
   /// Makes what entered tables visible to the collector.
