@@ -230,6 +230,45 @@ TYPED_TEST(TrialDeletion, ARootThatGoesBetweenTwoSlices) {
   }
 }
 
+// A wrong description keeps objects; it frees none that is in use. (Their count says what the walk must find.)
+template <int Times>
+struct misdescribed
+    : slamgc::rc_object<misdescribed<Times>, slamgc::fetch_add_counter, slamgc::reclaim_retired> {
+  template <class Visitor>
+  void edges(Visitor& v) {
+    for (int i = 0; i != Times; ++i) v.edge("next", next);
+  }
+  slamgc::rc_slot<misdescribed> next;
+};
+template <int Times>
+std::uint64_t left_of_a_ring() {
+  slamgc::domain domain;
+  std::uint64_t left = 0;
+  {
+    slamgc::mutator me(domain, "test", {false, false});
+    misdescribed<Times>* first = nullptr;
+    {
+      const slamgc::mutator::online_scope scope(me);
+      first = new misdescribed<Times>;
+      first->next = new misdescribed<Times>;
+      first->next->next = first;
+      slamgc::retire(first->next.get());
+      slamgc::retire(first);
+    }
+    EXPECT_EQ(domain.drain(), waited::done);
+    left = domain.stats().types.front().live;
+    if (left != 0) first->next->next = nullptr;  // the program breaks the ring
+    EXPECT_EQ(domain.drain(), waited::done);
+    EXPECT_EQ(domain.stats().types.front().live, 0U);
+  }
+  return left;
+}
+TEST(TrialDeletionOfMisdescribed, AMemberThatIsLeftOutOrNamedTwiceKeepsARing) {
+  EXPECT_EQ(left_of_a_ring<0>(), 2U);
+  EXPECT_EQ(left_of_a_ring<1>(), 0U);
+  EXPECT_EQ(left_of_a_ring<2>(), 2U);
+}
+
 // Random graphs, with retired and other nodes, against reachability on a plain graph; in budgets of a few objects.
 TYPED_TEST(TrialDeletion, WhatLivesIsWhatCanBeReached) {
   using node_type = typename TestFixture::object;
