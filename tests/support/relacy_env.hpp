@@ -195,6 +195,12 @@ struct relacy_env {
   static T* exchange(T*& element, T* desired) noexcept {
     return std::exchange(element, desired);
   }
+  template <class T>
+  static bool compare_exchange(T*& element, T* expected, T* desired) noexcept {
+    if (element != expected) return false;
+    element = desired;
+    return true;
+  }
 };
 
 /// Time stands still: an execution must not depend on it.

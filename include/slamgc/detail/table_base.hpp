@@ -139,10 +139,15 @@ class table_base {
   // For trial deletion (trial_deletion.hpp), by the collector, of a candidate:
 
   virtual std::uint64_t word_of(const void* object) const noexcept = 0;
-  /// Records each reference to a candidate.
-  virtual void walk(void* object, trial_deletion<Env>& trial) noexcept = 0;
-  virtual void sever(void* object) noexcept = 0;
+  /// Records each reference to a candidate. False if edges() threw.
+  virtual bool walk(void* object, trial_deletion<Env>& trial) noexcept = 0;
+  /// Drops all references. False if edges() threw.
+  virtual bool sever(void* object) noexcept = 0;
   virtual void destroy(void* object) noexcept = 0;
+  /// It was a suspect: is retired, and stays.
+  virtual void condemn(void* object) noexcept = 0;
+  /// It was a suspect: is none any more.
+  virtual void leave(void* object) noexcept = 0;
 
   domain_state<Env>& domain;
   const void* const type;

@@ -27,101 +27,12 @@
 #include "../counter.hpp"
 #include "../env.hpp"
 #include "../fwd.hpp"
+#include "candidate.hpp"
+#include "root_list.hpp"
 #include "table_base.hpp"
 
 namespace slamgc {
 namespace runtime SLAMGC_SHARED {
-
-template <class Env>
-struct candidate;
-
-/// The references that a round has recorded, one candidate's after the other's.
-template <class Env>
-class edge_list {
-  struct block {
-    static constexpr std::size_t size = 1023;
-    block* next = nullptr;
-    candidate<Env>* targets[size];
-  };
-
- public:
-  /// Of a reference, or the end.
-  class place {
-   public:
-    candidate<Env>* next() noexcept {
-      if (index_ == block::size) {
-        block_ = block_->next;
-        index_ = 0;
-      }
-      return block_->targets[index_++];
-    }
-
-   private:
-    friend class edge_list;
-    block* block_;
-    std::size_t index_;
-  };
-
-  edge_list() noexcept { clear(); }
-  ~edge_list() {
-    clear();
-    delete first_.next;
-  }
-  edge_list(const edge_list&) = delete;
-  edge_list& operator=(const edge_list&) = delete;
-
-  place end() const noexcept { return end_; }
-  /// False if there is no memory.
-  bool add(candidate<Env>& target) noexcept {
-    if (end_.index_ == block::size) {
-      if (end_.block_->next == nullptr) end_.block_->next = new (std::nothrow) block;
-      if (end_.block_->next == nullptr) return false;
-      end_.block_ = end_.block_->next;
-      end_.index_ = 0;
-    }
-    end_.block_->targets[end_.index_++] = &target;
-    return true;
-  }
-  /// Keeps the memory of one block.
-  void clear() noexcept {
-    if (block* const kept = first_.next) {
-      while (block* const more = kept->next) {
-        kept->next = more->next;
-        delete more;
-      }
-    }
-    end_.block_ = &first_;
-    end_.index_ = block::size;  // the first one holds nothing
-  }
-
- private:
-  block first_;
-  place end_;
-};
-
-/// A retired object that is still referred to. Its link names this, with a mark in the lowest bit, which no
-/// other value of a link has.
-template <class Env>
-struct candidate {
-  void* object;
-  table_base<Env>* table;
-  std::uint64_t noted;
-  std::uint32_t inner;  // references from candidates
-  bool fresh;           // not in a round yet
-  bool live;            // excluded
-  candidate* next;
-  candidate* next_marked;
-  typename edge_list<Env>::place first_edge;
-  std::size_t edges;
-
-  static void* link_to(candidate* c) noexcept {
-    return static_cast<char*>(static_cast<void*>(c)) + 1;
-  }
-  static candidate* of_link(void* link) noexcept {
-    if ((reinterpret_cast<std::uintptr_t>(link) & 1) == 0) return nullptr;
-    return static_cast<candidate*>(static_cast<void*>(static_cast<char*>(link) - 1));
-  }
-};
 
 template <class Env>
 class trial_deletion {
@@ -145,7 +56,8 @@ class trial_deletion {
     if (free_ == nullptr && !grow()) return nullptr;
     candidate_type* const c = free_;
     free_ = c->next;
-    *c = {object, &table, 0, 0, true, true, first_, nullptr, edges_.end(), 0};
+    *c = {object, &table, 0, 0,      true,    true,         suspecting_,
+          false,  0,      0, first_, nullptr, edges_.end(), 0};
     first_ = c;
     return c;
   }
@@ -175,9 +87,15 @@ class trial_deletion {
         walked_ = c;
         c->first_edge = edges_.end();
         c->edges = 0;
-        if (!c->fresh) c->table->walk(c->object, *this);
+        if (!c->fresh && !c->table->walk(c->object, *this)) mark(*c);
         if (out_of_memory_) return give_up();
         if (!limit.spend()) return false;
+      }
+      if (suspecting_) {
+        walked_ = nullptr;
+        roots_->visit([this](const root_place<Env>& root) {
+          if (root.is_suspected()) root.operations->record(root.described, *this);
+        });
       }
       start(phase::excluding);
     }
@@ -185,7 +103,8 @@ class trial_deletion {
       while (exclude_marked(limit)) {
         candidate_type* const c = next();
         if (c == nullptr) {
-          start(any_left() ? phase::checking : phase::idle);
+          const bool any_left = survey();
+          start(any_left ? phase::checking : suspecting_ ? phase::resolving : phase::idle);
           return true;
         }
         if (c->inner != state_word{c->noted}.count()) mark(*c);
@@ -210,14 +129,17 @@ class trial_deletion {
         if (!same_references(c->table->word_of(c->object), c->noted)) mark(*c);
         if (!limit.spend()) return false;
       }
-      start(phase::severing);
+      start(suspecting_ ? phase::resolving : phase::severing);
     }
+    if (phase_ == phase::resolving && !resolve(limit)) return false;
     if (phase_ == phase::severing) {
       while (candidate_type* const c = next()) {
         if (c->live) continue;
-        c->table->sever(c->object);
+        if (!c->table->sever(c->object)) mark(*c);
         if (!limit.spend()) return false;
       }
+      // What could not be severed stays, with what it refers to.
+      if (!exclude_marked(limit)) return false;
       rest_ = first_;
       first_ = nullptr;
       phase_ = phase::destroying;
@@ -241,18 +163,53 @@ class trial_deletion {
     return true;
   }
 
+  /// Whether a candidate is referred to from elsewhere in a way that no purge has seen yet.
+  bool unpurged() const noexcept { return unpurged_; }
+  /// Calls f(candidate) for each candidate, before a purge. Another round will see what it changes, a grace period later.
+  template <class F>
+  void begin_purge(F f) noexcept {
+    unpurged_ = false;
+    unsettled_ = true;
+    for (candidate_type* c = first_; c != nullptr; c = c->next) {
+      c->purged = true;
+      c->purged_version = state_word{c->table->word_of(c->object)}.version();
+      c->held = 0;
+      f(*c);
+    }
+  }
+
   /// For walks: the candidate that is walked refers to this one.
   void record(candidate_type& target) noexcept {
     if (out_of_memory_ || !edges_.add(target)) {
       out_of_memory_ = true;
       return;
     }
-    ++walked_->edges;
+    if (walked_ != nullptr) ++walked_->edges;
     ++target.inner;
   }
 
+  /// Makes candidates, for one round, of what the suspected roots refer to: the references of those roots count as inner
+  /// ones then, and what is found is not destroyed but retired. By the collector, between two rounds.
+  void suspect(root_list<Env>& roots) noexcept {
+    if (phase_ != phase::idle || !roots.any_suspected()) return;
+    roots_ = &roots;
+    suspecting_ = true;
+    roots.visit([this](root_place<Env>& root) {
+      if (root.begin_suspicion()) root.operations->suspect(root.described, *this);
+    });
+  }
+
  private:
-  enum class phase { idle, beginning, recording, excluding, checking, severing, destroying };
+  enum class phase {
+    idle,
+    beginning,
+    recording,
+    excluding,
+    checking,
+    resolving,
+    severing,
+    destroying
+  };
   struct block {
     static constexpr std::size_t size = 255;
     block* next;
@@ -272,10 +229,16 @@ class trial_deletion {
     if (c != nullptr) at_ = c->next;
     return c;
   }
-  bool any_left() const noexcept {
-    const candidate_type* c = first_;
-    while (c != nullptr && c->live) c = c->next;
-    return c != nullptr;
+  /// Whether any is left; and whether one that is not gives reason for a purge.
+  bool survey() noexcept {
+    bool any_left = false;
+    for (const candidate_type* c = first_; c != nullptr; c = c->next) {
+      if (!c->live)
+        any_left = true;
+      else if (!c->fresh && (!c->purged || c->purged_version != state_word{c->noted}.version()))
+        unpurged_ = true;
+    }
+    return any_left;
   }
   void mark(candidate_type& c) noexcept {
     if (c.live) return;
@@ -295,8 +258,36 @@ class trial_deletion {
   }
   /// Without memory this round finds nothing; another one will.
   bool give_up() noexcept {
+    marked_ = nullptr;
     out_of_memory_ = false;
     unsettled_ = true;
+    for (candidate_type* c = first_; c != nullptr; c = c->next) c->live = true;
+    start(suspecting_ ? phase::resolving : phase::idle);
+    return true;
+  }
+  /// The end of a round with suspects: what was found is retired, the rest leaves.
+  bool resolve(limit_type& limit) noexcept {
+    if (resolved_ == nullptr) resolved_ = &first_;
+    while (candidate_type* const c = *resolved_) {
+      if (c->suspect && (!c->live || state_word{c->table->word_of(c->object)}.is_retired())) {
+        c->table->condemn(c->object);
+        c->suspect = false;
+        c->fresh = true;
+        unsettled_ = true;
+      }
+      if (c->suspect) {
+        *resolved_ = c->next;
+        c->table->leave(c->object);
+        c->next = free_;
+        free_ = c;
+      } else {
+        resolved_ = &c->next;
+      }
+      if (!limit.spend()) return false;
+    }
+    resolved_ = nullptr;
+    suspecting_ = false;
+    roots_->visit([](root_place<Env>& root) { root.end_suspicion(); });
     start(phase::idle);
     return true;
   }
@@ -316,12 +307,16 @@ class trial_deletion {
   bool out_of_memory_ = false;
   bool changed_ = false;
   bool unsettled_ = false;
+  bool unpurged_ = false;
   candidate_type* first_ = nullptr;
   candidate_type* walked_ = nullptr;
   edge_list<Env> edges_;
   candidate_type* at_ = nullptr;      // the next one in this phase
   candidate_type* marked_ = nullptr;  // excluded, not walked yet
-  candidate_type* rest_ = nullptr;    // not destroyed or put back yet
+  bool suspecting_ = false;
+  root_list<Env>* roots_ = nullptr;
+  candidate_type** resolved_ = nullptr;  // up to here
+  candidate_type* rest_ = nullptr;       // not destroyed or put back yet
   candidate_type* free_ = nullptr;
   block* blocks_ = nullptr;
 };

@@ -31,8 +31,8 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "../edges.hpp"
 #include "../reclaim_at_zero.hpp"
+#include "described.hpp"
 #include "domain_state.hpp"
 #include "header.hpp"
 #include "note_list.hpp"
@@ -41,15 +41,6 @@
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 namespace detail {
-
-/// An address for each type.
-template <class T>
-inline constexpr char type_key = 0;
-
-/// Marks the reclaimers that defer.
-struct deferred_base {};
-template <class T>
-struct is_deferred : std::is_base_of<deferred_base, reclaimer_of<T>> {};
 
 template <class T>
 class zero_count_table final : public runtime::table_base<typename policy_of<T>::env> {
@@ -132,31 +123,45 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
   std::uint64_t word_of(const void* object) const noexcept override {
     return policy::load(access::header_of(*static_cast<const T*>(object)).state);
   }
-  void walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
-    if constexpr (has_edges<T>::value) {
-      const auto record = [&trial](auto* p) {
-        using target = object_of<std::remove_pointer_t<decltype(p)>>;
-        if constexpr (is_deferred<target>::value && has_edges<target>::value) {
-          // (11) only the collector stores what names a candidate.
-          void* const link = access::header_of(*p).link.load(std::memory_order_relaxed);
-          if (candidate* const c = candidate::of_link(link)) trial.record(*c);
-        }
-      };
-      reference_visitor<decltype(record)> visitor{record};
-      static_cast<T*>(object)->edges(visitor);
-    }
+  bool walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
+    if constexpr (has_edges<T>::value) return operations_on<T, env>::record(object, trial);
+    return true;
   }
-  void sever(void* object) noexcept override {
-    if constexpr (has_edges<T>::value) {
-      severing_visitor visitor;
-      static_cast<T*>(object)->edges(visitor);
-    }
+  bool sever(void* object) noexcept override {
+    severing_visitor visitor;
+    if constexpr (has_edges<T>::value)
+      return detail::visit_edges(*static_cast<T*>(object), visitor);
+    return true;
   }
   void destroy(void* object) noexcept override {
     destroy_object(static_cast<T*>(object));
     base::add(this->stuck_, std::uint64_t{0} - 1);
     base::add(this->reclaimed_, 1);
     base::add(this->doors_[base::collectors_door].ended, 1);
+  }
+
+  /// Makes a candidate of an object that is neither queued nor retired: see trial_deletion::suspect.
+  static void suspect(T& object) noexcept {
+    auto& header = access::header_of(object);
+    std::uint64_t now = policy::load(header.state);
+    do {
+      const state_word w{now};
+      if (w.is_queued() || w.is_retired() || w.is_saturated()) return;
+    } while (!policy::compare_exchange(header.state, now, now | state_word::queued_flag));
+    zero_count_table* const mine = of(object);
+    if (!mine->become_candidate(&object)) mine->leave_table(object);
+  }
+  void condemn(void* object) noexcept override {
+    auto& state = access::header_of(*static_cast<T*>(object)).state;
+    std::uint64_t now = policy::load(state);
+    do {
+      if (state_word{now}.is_retired()) return;
+    } while (!policy::compare_exchange(state, now, now | state_word::retired_flag));
+    base::add(this->doors_[base::collectors_door].retired, 1);
+  }
+  void leave(void* object) noexcept override {
+    base::add(this->stuck_, std::uint64_t{0} - 1);
+    leave_table(*static_cast<T*>(object));
   }
 
   bool decide(runtime::work_limit<env>& limit, std::size_t& reclaimed) noexcept override {
@@ -201,10 +206,28 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
         if (!become_candidate(e.object)) push(e.object);
         return false;
       }
-      // (13) published by clearing the flag: compare_exchange (6) releases.
-      header.link.store(this, std::memory_order_relaxed);
-      if (policy::compare_exchange(header.state, now, now & ~state_word::queued_flag)) return false;
+      if (clear_queued(header, now)) return false;
     }
+  }
+
+  /// Clears `queued`, or pushes the object.
+  void leave_table(T& object) noexcept {
+    auto& header = access::header_of(object);
+    std::uint64_t now = policy::load(header.state);
+    do {
+      const state_word w{now};
+      if (w.is_retired() || (w.count() == 0 && reclaimer_of<T>::at_zero)) {
+        push(&object);
+        return;
+      }
+    } while (!clear_queued(header, now));
+  }
+  /// The object leaves, or @p now is its word.
+  template <class Header>
+  bool clear_queued(Header& header, std::uint64_t& now) noexcept {
+    // (13) published by clearing the flag: compare_exchange (6) releases.
+    header.link.store(this, std::memory_order_relaxed);
+    return policy::compare_exchange(header.state, now, now & ~state_word::queued_flag);
   }
 
   /// Retired, described, and still referred to: in place of leaving, it is tried.
