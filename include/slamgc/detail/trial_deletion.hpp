@@ -8,7 +8,8 @@
 /// 3. *excludes* each candidate that has others, and what is recorded to be reached from it;
 /// 4. after a grace period that began after 2, *checks* the words of all that are left: one that has changed is
 ///    excluded, as in 3;
-/// 5. *severs* what is left, and destroys it.
+/// 5. if there are weak handles to what is left: decides (decision.hpp), and waits for another grace period;
+/// 6. *severs* what is left, and destroys it.
 ///
 /// **What is left is out of everybody's sight**: docs/design.md, "Cycles". There, too, is why 3 and 4 must not walk the
 /// edges a second time.
@@ -27,6 +28,7 @@
 #include "../counter.hpp"
 #include "../env.hpp"
 #include "../fwd.hpp"
+#include "decision.hpp"
 #include "table_base.hpp"
 
 namespace slamgc {
@@ -147,10 +149,12 @@ class trial_deletion {
     free_ = c->next;
     *c = {object, &table, 0, 0, true, true, first_, nullptr, edges_.end(), 0};
     first_ = c;
+    any_blocks_ = any_blocks_ || table.has_blocks;
     return c;
   }
   /// Steps 1 to 3, before the grace period. False if the limit came first.
   bool find(limit_type& limit) noexcept {
+    if (phase_ == phase::expired) start(phase::severing);  // after the grace period that follows
     if (phase_ == phase::idle) {
       changed_ = false;
       start(phase::beginning);
@@ -199,7 +203,9 @@ class trial_deletion {
   /// Whether find() has to be called again after a grace period.
   bool unsettled() const noexcept { return unsettled_; }
 
-  /// Steps 4 and 5, after the grace period. False if the limit came first.
+  runtime::decision<Env>& decision() noexcept { return decision_; }
+
+  /// Steps 4 to 6, after the grace period. False if the limit came first.
   bool decide(limit_type& limit, std::size_t& reclaimed) noexcept {
     if (phase_ == phase::checking) {
       for (;;) {
@@ -207,11 +213,19 @@ class trial_deletion {
         candidate_type* const c = next();
         if (c == nullptr) break;
         if (c->live) continue;
-        if (!same_references(c->table->word_of(c->object), c->noted)) mark(*c);
+        if (!same_references(c->table->word_of(c->object), c->noted)) {
+          disturbed(*c);
+          mark(*c);
+        }
         if (!limit.spend()) return false;
       }
-      start(phase::severing);
+      if (any_blocks_) decision_.open();
+      decided_ = true;
+      marked_blocks_ = false;
+      start(any_blocks_ ? phase::deciding : phase::severing);
     }
+    if (!expire_blocks(limit)) return false;
+    if (phase_ == phase::expired) return true;
     if (phase_ == phase::severing) {
       while (candidate_type* const c = next()) {
         if (c->live) continue;
@@ -252,7 +266,19 @@ class trial_deletion {
   }
 
  private:
-  enum class phase { idle, beginning, recording, excluding, checking, severing, destroying };
+  enum class phase {
+    idle,
+    beginning,
+    recording,
+    excluding,
+    checking,
+    deciding,
+    unmarking,
+    expiring,
+    expired,
+    severing,
+    destroying
+  };
   struct block {
     static constexpr std::size_t size = 255;
     block* next;
@@ -293,6 +319,50 @@ class trial_deletion {
     }
     return true;
   }
+  /// Step 5: one decision for all that is left. False if the limit came first.
+  bool expire_blocks(limit_type& limit) noexcept {
+    if (phase_ == phase::deciding) {
+      while (candidate_type* const c = decided_ ? next() : nullptr) {
+        side_block<Env>* const block = block_of(*c);
+        if (block != nullptr) {
+          marked_blocks_ = true;
+          block->mark(decision_);
+          decided_ = c->table->seal(c->object, c->noted);
+          if (decided_) block->bury();
+        }
+        if (!limit.spend()) return false;
+      }
+      decided_ = decided_ && (!marked_blocks_ || decision_.commit());
+      start(!marked_blocks_ ? phase::severing : decided_ ? phase::expiring : phase::unmarking);
+    }
+    if (phase_ == phase::expiring || phase_ == phase::unmarking) {
+      while (candidate_type* const c = next()) {
+        side_block<Env>* const block = block_of(*c);
+        if (block != nullptr && block->is_marked()) {
+          if (phase_ == phase::expiring) {
+            block->expire();
+          } else {
+            block->unmark();
+            if (!same_references(c->table->word_of(c->object), c->noted)) disturbed(*c);
+          }
+        }
+        if (!limit.spend()) return false;
+      }
+      unsettled_ = unsettled_ || phase_ == phase::unmarking;
+      phase_ = phase_ == phase::expiring ? phase::expired : phase::idle;
+    }
+    return true;
+  }
+  /// Of a candidate that nothing else refers to, if weak handles may lead to it.
+  static side_block<Env>* block_of(const candidate_type& c) noexcept {
+    if (c.live || !c.table->has_blocks) return nullptr;
+    side_block<Env>* const block = c.table->block_of(c.object);
+    return block != nullptr && !block->is_dead() ? block : nullptr;
+  }
+  static void disturbed(candidate_type& c) noexcept {
+    if (!state_word{c.noted}.is_retired()) return;  // only what is retired may expire while it is referred to
+    if (side_block<Env>* const block = block_of(c)) block->disturbed();
+  }
   /// Without memory this round finds nothing; another one will.
   bool give_up() noexcept {
     out_of_memory_ = false;
@@ -316,6 +386,10 @@ class trial_deletion {
   bool out_of_memory_ = false;
   bool changed_ = false;
   bool unsettled_ = false;
+  bool any_blocks_ = false;     // some candidate's type has them
+  bool marked_blocks_ = false;  // in this decision
+  bool decided_ = false;        // so far, that all die
+  runtime::decision<Env> decision_;
   candidate_type* first_ = nullptr;
   candidate_type* walked_ = nullptr;
   edge_list<Env> edges_;

@@ -36,6 +36,7 @@
 #include "domain_state.hpp"
 #include "header.hpp"
 #include "note_list.hpp"
+#include "side_block.hpp"
 #include "trial_deletion.hpp"
 
 namespace slamgc {
@@ -61,7 +62,8 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
 
  public:
   explicit zero_count_table(runtime::domain_state<env>& of) noexcept
-      : base(of, &type_key<T>, slamgc::detail::type_name<T>::get(), sizeof(T)) {}
+      : base(of, &type_key<T>, slamgc::detail::type_name<T>::get(), sizeof(T),
+             has_block<T>::value) {}
 
   /// The table of T in @p domain, or null.
   static zero_count_table* find(const runtime::domain_state<env>& domain) noexcept {
@@ -132,6 +134,20 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
   std::uint64_t word_of(const void* object) const noexcept override {
     return policy::load(access::header_of(*static_cast<const T*>(object)).state);
   }
+  runtime::side_block<env>* block_of(void* object) const noexcept override {
+    if constexpr (has_block<T>::value)
+      return owner_of<env>(*static_cast<const T*>(object)).get();
+    else
+      return nullptr;
+  }
+  bool seal(void* object, std::uint64_t noted) noexcept override {
+    auto& state = access::header_of(*static_cast<T*>(object)).state;
+    std::uint64_t now = policy::load(state);
+    do {
+      if (!state_word{now}.same_references({noted})) return false;
+    } while (!policy::compare_exchange(state, now, now));
+    return true;
+  }
   void walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
     if constexpr (has_edges<T>::value) {
       const auto record = [&trial](auto* p) {
@@ -168,7 +184,7 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
       if (const entry* const soon = notes_.soon()) __builtin_prefetch(soon->object, 1);
       const entry e = notes_.take();
       ++left;
-      if (!is_dead(e)) continue;
+      if (!is_dead(e) || !has_expired(e)) continue;
       // The destructor may do anything, push objects of this type included.
       destroy_object(e.object);
       ++destroyed;
@@ -194,6 +210,7 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
       const state_word w{now};
       if (w.count() == 0) {
         if (w.same_references({e.noted})) return true;
+        if (auto* const block = this->block_of(e.object)) block->disturbed();
         push(e.object);
         return false;
       }
@@ -201,10 +218,22 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
         if (!become_candidate(e.object)) push(e.object);
         return false;
       }
+      if (auto* const block = this->block_of(e.object)) block->undisturbed();
       // (13) published by clearing the flag: compare_exchange (6) releases.
       header.link.store(this, std::memory_order_relaxed);
       if (policy::compare_exchange(header.state, now, now & ~state_word::queued_flag)) return false;
     }
+  }
+
+  /// Whether no weak handle leads to the object any more, which is dead otherwise. Else they expire now, unless
+  /// somebody locks one; and the object enters anew.
+  bool has_expired(const entry& e) noexcept {
+    auto* const block = this->block_of(e.object);
+    if (block == nullptr || block->is_dead()) return true;
+    runtime::decide_alone(this->domain.collection.trial().decision(), *block,
+                          [&] { return seal(e.object, e.noted); });
+    push(e.object);
+    return false;
   }
 
   /// Retired, described, and still referred to: in place of leaving, it is tried.
