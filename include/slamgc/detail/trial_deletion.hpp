@@ -23,6 +23,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <new>
+#include <utility>
 
 #include "../counter.hpp"
 #include "../env.hpp"
@@ -79,7 +80,8 @@ class trial_deletion {
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
       // stored it yet will have done so after a grace period: so one more round after the last change.
       const bool worth_it = changed_ || unsettled_;
-      unsettled_ = changed_;
+      // After a purge, too: owners of roots join it at their next quiescent state.
+      unsettled_ = changed_ || std::exchange(purged_, false);
       start(worth_it ? phase::recording : phase::idle);
     }
     if (phase_ == phase::recording) {
@@ -169,9 +171,9 @@ class trial_deletion {
   template <class F>
   void begin_purge(F f) noexcept {
     unpurged_ = false;
-    unsettled_ = true;
+    unsettled_ = purged_ = true;
     for (candidate_type* c = first_; c != nullptr; c = c->next) {
-      c->purged = true;
+      c->purged = !c->fresh;  // else the references from candidates are not known yet
       c->purged_version = state_word{c->table->word_of(c->object)}.version();
       c->held = 0;
       f(*c);
@@ -235,7 +237,8 @@ class trial_deletion {
     for (const candidate_type* c = first_; c != nullptr; c = c->next) {
       if (!c->live)
         any_left = true;
-      else if (!c->fresh && (!c->purged || c->purged_version != state_word{c->noted}.version()))
+      else if (!c->fresh && !c->suspect &&
+               (!c->purged || c->purged_version != state_word{c->noted}.version()))
         unpurged_ = true;
     }
     return any_left;
@@ -273,7 +276,6 @@ class trial_deletion {
         c->table->condemn(c->object);
         c->suspect = false;
         c->fresh = true;
-        unsettled_ = true;
       }
       if (c->suspect) {
         *resolved_ = c->next;
@@ -287,6 +289,7 @@ class trial_deletion {
     }
     resolved_ = nullptr;
     suspecting_ = false;
+    unsettled_ = true;  // what was found among the retired ones was only left out
     roots_->visit([](root_place<Env>& root) { root.end_suspicion(); });
     start(phase::idle);
     return true;
@@ -308,6 +311,7 @@ class trial_deletion {
   bool changed_ = false;
   bool unsettled_ = false;
   bool unpurged_ = false;
+  bool purged_ = false;  // since the last round began
   candidate_type* first_ = nullptr;
   candidate_type* walked_ = nullptr;
   edge_list<Env> edges_;
