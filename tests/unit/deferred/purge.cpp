@@ -1,9 +1,8 @@
 // The purge: what the program left of references to retired objects is dropped, wherever it is, whatever happens meanwhile.
 #include <gtest/gtest.h>
 
-#include <cstdint>
+#include <cstdio>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <random>
 #include <set>
@@ -208,7 +207,7 @@ TEST_F(Purge, IsRepeatedEverMoreSeldomWhileAPinExplainsNothing) {
   ASSERT_GE(calls.size(), 6U);
   EXPECT_LE(calls.size(), 10U);
   for (std::size_t i = 2; i < calls.size(); ++i)
-    EXPECT_EQ(calls[i] - calls[i - 1] - 1, 2 * (calls[i - 1] - calls[i - 2] - 1)) << i;
+    EXPECT_EQ(calls[i] - calls[i - 1], 2 * (calls[i - 1] - calls[i - 2])) << i;
   const long before = node::walks;
   ASSERT_EQ(domain.drain(), waited::done);
   EXPECT_GE(node::walks - before, 50) << "drain() puts nothing off";
@@ -309,9 +308,10 @@ TEST_F(Purge, WhatIsRetiredMeanwhileIsPurgedNext) {
     };
     ASSERT_EQ(domain.drain(), waited::done);
     node::afterwards = nullptr;
-    EXPECT_EQ(node::live(), 20);
+    EXPECT_EQ(node::live(), visits > when ? 20 : 21);
     {
       const online scope(me);
+      slamgc::retire(top->stale.get());  // null, mostly
       for (node* p = top; p != nullptr; p = p->next) slamgc::retire(p);
       top = nullptr;
     }
