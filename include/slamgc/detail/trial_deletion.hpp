@@ -98,6 +98,7 @@ class trial_deletion {
         roots_->visit([this](const root_place<Env>& root) {
           if (root.is_suspected()) root.operations->record(root.described, *this);
         });
+        if (out_of_memory_) return give_up();
       }
       start(phase::excluding);
     }
