@@ -24,6 +24,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <new>
+#include <utility>
 
 #include "../counter.hpp"
 #include "../env.hpp"
@@ -76,7 +77,8 @@ class trial_deletion {
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
       // stored it yet will have done so after a grace period: so one more round after the last change.
       const bool worth_it = changed_ || unsettled_;
-      unsettled_ = changed_;
+      // After a purge, too: owners of roots join it at their next quiescent state.
+      unsettled_ = changed_ || std::exchange(purged_, false);
       start(worth_it ? phase::recording : phase::idle);
     }
     if (phase_ == phase::recording) {
@@ -93,6 +95,7 @@ class trial_deletion {
         roots_->visit([this](const root_place<Env>& root) {
           if (root.is_suspected()) root.operations->record(root.described, *this);
         });
+        if (out_of_memory_) return give_up();
       }
       start(phase::excluding);
     }
@@ -168,10 +171,10 @@ class trial_deletion {
   template <class F>
   void begin_purge(F f) noexcept {
     unpurged_ = false;
-    unsettled_ = true;
+    unsettled_ = purged_ = true;
     auto at = all_.begin();
     while (candidate_type* const c = at.next()) {
-      c->purged = true;
+      c->purged = !c->fresh;  // else the references from candidates are not known yet
       c->purged_version = state_word{c->table->word_of(c->object)}.version();
       c->held = 0;
       f(*c);
@@ -227,7 +230,7 @@ class trial_deletion {
     if (c.live) return;
     c.live = true;
     --left_;
-    if (phase_ == phase::excluding &&
+    if (phase_ == phase::excluding && !c.suspect &&
         (!c.purged || c.purged_version != state_word{c.noted}.version()))
       unpurged_ = true;
     c.next_marked = marked_;
@@ -305,7 +308,6 @@ class trial_deletion {
         c->table->condemn(c->object);
         c->suspect = false;
         c->fresh = true;
-        unsettled_ = true;
       }
       if (c->suspect) {
         c->table->leave(c->object);
@@ -315,6 +317,7 @@ class trial_deletion {
     }
     all_.trim();
     suspecting_ = false;
+    unsettled_ = true;  // what was found among the retired ones was only left out
     roots_->visit([](root_place<Env>& root) { root.end_suspicion(); });
     start(phase::idle);
     return true;
@@ -330,6 +333,7 @@ class trial_deletion {
   runtime::decision<Env> decision_;
   candidate_list<Env> all_;
   typename candidate_list<Env>::cursor at_;  // in this phase
+  bool purged_ = false;                      // since the last round began
   candidate_type* walked_ = nullptr;
   edge_list<Env> edges_;
   std::size_t left_ = 0;              // candidates of this round that are not excluded
