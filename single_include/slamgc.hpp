@@ -50,6 +50,12 @@
 #include <cstdio>
 #include <cstdlib>
 
+// ---- slamgc/detail/object_watch.hpp ----
+/// @file
+/// Where a tool that watches objects is told of them; diagnosis/quarantine.hpp is one.
+///
+/// In the checked flavour only: there it is one branch for each object that is retired, falls to zero or is destroyed.
+
 // ---- slamgc/flavour.hpp ----
 /// @file
 /// The two flavours of slamgc: with checks of misuse and without.
@@ -81,20 +87,95 @@
 #define SLAMGC_SHARED __attribute__((visibility("default")))
 
 namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+/// The memory of an object whose destructor has run.
+struct held_memory {
+  static constexpr unsigned char pattern = 0xdd;  // of all bytes but the header's
+
+  void* begin;
+  std::size_t size;
+  const char* type;
+  void* header;  // a new one: who counts a reference to the object is found out by it
+  std::size_t header_size;
+  bool (*header_is_new)(const void* header) noexcept;
+  void (*free)(const held_memory&) noexcept;  // what `delete` does after the destructor
+};
+
+class object_watch {
+ public:
+  using place = std::uint32_t;  // in the program, by its stack; 0: not known
+
+  /// The calling thread is about to drop the last reference to the object.
+  virtual void falls_to_zero(const void* object, const char* type) noexcept = 0;
+  virtual void retired(const void* object, const char* type) noexcept = 0;
+  /// Whether to report that it was retired before.
+  virtual bool reports_double_retire() const noexcept = 0;
+  /// Memory to free, now or later.
+  virtual void hold(const held_memory& memory) noexcept = 0;
+  /// The object is destroyed as usual.
+  virtual void let_go(const void* object) noexcept = 0;
+  /// Whether @p p points into memory that is held.
+  virtual bool holds(const void* p) noexcept = 0;
+  virtual place here() noexcept = 0;
+  /// Prints what is known of the object at @p p, to the standard error stream.
+  virtual void print(const void* p, place borrowed) noexcept = 0;
+
+ protected:
+  ~object_watch() = default;
+};
+
+/// Changed only while no other thread uses objects.
+inline object_watch* watch = nullptr;
+
+}  // namespace SLAMGC_SHARED
+
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+#if SLAMGC_DEBUG
+inline runtime::object_watch* watch() noexcept { return runtime::watch; }
+#else
+constexpr runtime::object_watch* watch() noexcept { return nullptr; }
+#endif
+
+/// Whether the object at @p p was reclaimed and somebody found out in time.
+inline bool was_reclaimed(const void* p) noexcept {
+  return watch() != nullptr && watch()->holds(p);
+}
+
+/// Whether a second retirement is to be reported.
+inline bool reports_double_retire() noexcept {
+  return watch() != nullptr && watch()->reports_double_retire();
+}
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
 /// What a failed check knows about the object that was misused.
 struct misuse {
-  const char* what;     ///< What the program did, as a phrase.
-  const char* type;     ///< The object's type, as the compiler spells it.
-  const void* object;   ///< The object's address.
-  std::uint32_t count;  ///< The reference count that was found.
+  const char* what;         ///< What the program did, as a phrase.
+  const char* type;         ///< The object's type, as the compiler spells it.
+  const void* object;       ///< The object's address.
+  std::uint32_t count;      ///< The reference count that was found.
+  std::uint32_t place = 0;  ///< For print_places(): where the pointer was borrowed.
 };
+
+/// Prints where *@p m happened, and where its object came to its end, to the standard error stream, if a quarantine is at
+/// work (diagnosis/quarantine.hpp); else nothing. For a `SLAMGC_ASSERT` of the program's own.
+inline void print_places(const misuse& m) noexcept {
+  if (auto* const watch = detail::watch()) watch->print(m.object, m.place);
+}
 
 /// Prints @p m to the standard error stream and aborts. The default of `SLAMGC_ASSERT`.
 [[noreturn]] inline void abort_on(const misuse& m) noexcept {
   std::fprintf(stderr, "slamgc: %s: object %p of type %s, count %lu\n", m.what, m.object, m.type,
                static_cast<unsigned long>(m.count));
+  print_places(m);
   std::abort();
 }
 
@@ -850,6 +931,128 @@ struct severing_visitor {
 /// @file
 /// The default reclaimer: an object is destroyed as soon as its count falls to zero.
 
+// ---- slamgc/detail/hold_back.hpp ----
+/// @file
+/// Destroying an object without freeing its memory.
+///
+/// `delete` is taken apart: the destructor here, the deallocation function that `delete` would have called later. Which one that
+/// is depends on the most derived type. It is known for a type without a virtual destructor; for one that has it, only if the
+/// object is exactly that type, by run-time type information. Else, and for a class with a destroying `operator delete` or with one
+/// that is not accessible together with its destructor, objects are deleted as usual.
+
+#include <cstring>
+#include <new>
+#if defined(__cpp_rtti)
+#include <typeinfo>
+#endif
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// Whether T has a member `operator delete` with these parameters.
+template <class T, class Parameters, class = void>
+struct has_delete : std::false_type {};
+template <class T, class... P>
+struct has_delete<T, void(P...),
+                  std::void_t<decltype(static_cast<void (*)(P...)>(&T::operator delete))>>
+    : std::true_type {};
+
+#if defined(__cpp_lib_destroying_delete)
+template <class T>
+struct has_destroying_delete
+    : std::bool_constant<
+          has_delete<T, void(T*, std::destroying_delete_t)>::value ||
+          has_delete<T, void(T*, std::destroying_delete_t, std::size_t)>::value ||
+          has_delete<T, void(T*, std::destroying_delete_t, std::align_val_t)>::value ||
+          has_delete<T, void(T*, std::destroying_delete_t, std::size_t, std::align_val_t)>::value> {
+};
+#else
+template <class T>
+struct has_destroying_delete : std::false_type {};
+#endif
+
+/// The deallocation function of `delete static_cast<T*>(p)`: [expr.delete] in the C++ standard.
+template <class T>
+void deallocate(void* p) noexcept {
+  constexpr bool over_aligned = alignof(T) > __STDCPP_DEFAULT_NEW_ALIGNMENT__;
+  constexpr std::align_val_t alignment{alignof(T)};
+  constexpr bool plain = has_delete<T, void(void*)>::value;
+  constexpr bool sized = has_delete<T, void(void*, std::size_t)>::value;
+  constexpr bool aligned = has_delete<T, void(void*, std::align_val_t)>::value;
+  constexpr bool both = has_delete<T, void(void*, std::size_t, std::align_val_t)>::value;
+  // A member before a global one; one that takes the alignment if that matters, else one that does not; then the one
+  // without a size.
+  if constexpr (aligned && (over_aligned || !(plain || sized))) {
+    T::operator delete(p, alignment);
+  } else if constexpr (both && (over_aligned || !(plain || sized))) {
+    T::operator delete(p, sizeof(T), alignment);
+  } else if constexpr (plain) {
+    T::operator delete(p);
+  } else if constexpr (sized) {
+    T::operator delete(p, sizeof(T));
+  } else if constexpr (over_aligned) {
+    ::operator delete(p, alignment);
+  } else {
+#if defined(__cpp_sized_deallocation)
+    ::operator delete(p, sizeof(T));
+#else
+    ::operator delete(p);
+#endif
+  }
+}
+
+/// Whether *object is a T and nothing derived from it, as far as that can be known.
+template <class T>
+bool is_exactly(const T& object) noexcept {
+  if constexpr (std::is_final<T>::value || !std::has_virtual_destructor<T>::value) {
+    return true;
+  } else {
+#if defined(__cpp_rtti)
+    return typeid(object) == typeid(T);
+#else
+    return false;
+#endif
+  }
+}
+
+/// Destroys the object and gives its memory to @p by. False if it is left to the caller, as it was.
+template <class T>
+bool hold_back(T* object, runtime::object_watch& by) noexcept {
+  if constexpr (std::is_destructible<T>::value && !has_destroying_delete<T>::value) {
+    if (is_exactly(*object)) {
+      using policy = policy_of<T>;
+      using header_type = header<policy>;
+      // Nothing is added to it, even by a program that goes on after a report.
+      constexpr std::uint64_t word = state_word::retired_flag | state_word::queued_flag;
+      void* const memory = object;
+      void* const place = &access::header_of(*object);
+      object->~T();
+      std::memset(memory, runtime::held_memory::pattern, sizeof(T));
+      auto* const header = new (place) header_type;
+      (void)policy::add(header->state, word);
+      header->link.store(header, std::memory_order_relaxed);  // (8) as mark_dying
+      by.hold({memory, sizeof(T), type_name<T>::get(), header, sizeof(header_type),
+               [](const void* of) noexcept {
+                 const auto& h = *static_cast<const header_type*>(of);
+                 return policy::load(h.state) == word &&
+                        h.link.load(std::memory_order_relaxed) == of;  // (8)
+               },
+               [](const runtime::held_memory& m) noexcept {
+                 static_cast<header_type*>(m.header)->~header_type();
+                 deallocate<T>(m.begin);
+               }});
+      return true;
+    }
+  }
+  by.let_go(object);
+  return false;
+}
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
@@ -871,6 +1074,10 @@ state_word uncount_reference(T* object) noexcept {
 template <class T>
 void destroy_object(T* object) noexcept {
   detail::mark_dying(object);
+#if SLAMGC_DEBUG
+  if (auto* const watch = detail::watch())
+    if (detail::hold_back(object, *watch)) return;
+#endif
   delete object;
 }
 
@@ -1464,8 +1671,6 @@ class table_base {
 ///
 /// Trial deletion: Christopher 1984; Bacon and Rajan 2001; *The Garbage Collection Handbook*, 5.5. The use of versions in
 /// place of a second, synchronous walk is ours.
-
-#include <new>
 
 namespace slamgc {
 namespace runtime SLAMGC_SHARED {
@@ -2731,6 +2936,8 @@ struct deferred : deferred_base {
       SLAMGC_ASSERT(w.count() != 0,
                     (misuse_of(object, "removes a reference that was never counted")));
       if (w.count() == 0 || w.is_saturated()) return;
+      // Not afterwards: it may be gone then.
+      if (w.count() == 1 && watch() != nullptr) watch()->falls_to_zero(object, type_name<T>::get());
       // The fall to zero and `queued` are one change. Between two, a collector could bring the object through
       // the table and free it, and this thread, if it is no mutator, would touch it afterwards.
       const bool enters = w.count() == 1 && !w.is_queued() && (AtZero || w.is_retired());
@@ -2796,10 +3003,17 @@ bool retire(T* p) noexcept {
   using object = detail::object_of<T>;
   if (p == nullptr) return false;
   auto* const target = const_cast<object*>(static_cast<const object*>(p));
+  if (detail::was_reclaimed(target)) {
+    SLAMGC_ASSERT(
+        false, (misuse{"retires an object that was reclaimed", detail::type_name<T>::get(), p, 0}));
+    return false;
+  }
   auto& state = detail::access::header_of(*target).state;
   std::uint64_t now = policy::load(state);
   for (;;) {
     const state_word w{now};
+    SLAMGC_ASSERT(!(w.is_retired() && detail::reports_double_retire()),
+                  (detail::misuse_of(target, "retires an object that was retired before")));
     if (w.is_retired()) return false;
     // With described edges it is a candidate for trial deletion, whoever refers to it.
     const bool enters = !w.is_queued() && (w.count() == 0 || detail::has_edges<object>::value);
@@ -2810,6 +3024,8 @@ bool retire(T* p) noexcept {
     const std::uint64_t then =
         now | state_word::retired_flag | (enters ? state_word::queued_flag : 0);
     if (!policy::compare_exchange(state, now, then)) continue;
+    if (detail::watch() != nullptr)
+      detail::watch()->retired(target, detail::type_name<object>::get());
     if (table == nullptr) return true;
     SLAMGC_ASSERT(detail::may_borrow_from(table->domain),
                   (misuse{"retires an object of another domain than the thread's",
@@ -3238,6 +3454,11 @@ class borrow {
                   (misuse{"borrows on a thread that is no online mutator",
                           detail::type_name<T>::get(), p, 0}));
     passed_ = me != nullptr ? me->passed : 0;
+    if (auto* const watch = detail::watch()) {
+      SLAMGC_ASSERT(!watch->holds(p), (misuse{"borrows an object that was reclaimed",
+                                              detail::type_name<T>::get(), p, 0}));
+      place_ = watch->here();
+    }
 #endif
   }
   /// Borrows what @p from, a slot or an element of a container, refers to now.
@@ -3268,9 +3489,10 @@ class borrow {
     const auto* me = runtime::participants<Env>::of_this_thread().innermost;
     while (me != nullptr && !(me->may_borrow() && me->passed == passed_)) me = me->outer;
     SLAMGC_ASSERT(me != nullptr, (misuse{"uses a borrowed pointer after a quiescent state",
-                                         detail::type_name<T>::get(), p_, 0}));
+                                         detail::type_name<T>::get(), p_, 0, place_}));
   }
   std::uint64_t passed_;
+  std::uint32_t place_ = 0;  // in the program, for reports
 #else
   void check() const noexcept {}
 #endif
@@ -5018,6 +5240,7 @@ class retire_set {
       if (state_word{now}.is_retired()) return false;
     } while (!policy::compare_exchange(state, now,
                                        now | state_word::retired_flag | state_word::queued_flag));
+    if (detail::watch() != nullptr) detail::watch()->retired(object, detail::type_name<T>::get());
     push(object);
     return true;
   }
