@@ -1248,6 +1248,10 @@ enum class waited {
 };
 
 }  // namespace slamgc
+// ---- slamgc/diagnosis/hooks.hpp ----
+/// @file
+/// What a domain tells a profiler.
+
 // ---- slamgc/stats.hpp ----
 /// @file
 /// What a domain can say about itself, as plain numbers.
@@ -1308,6 +1312,49 @@ struct domain_stats {
     for (const type_stats& t : types) sum += t.live_bytes();
     return sum;
   }
+};
+
+}  // namespace slamgc
+
+namespace slamgc {
+
+/// One call of collect() that was not refused: a slice of a domain's collection.
+struct slice_stats {
+  using time_point = std::chrono::steady_clock::time_point;  ///< When something was.
+
+  collected did;                     ///< What the call returns.
+  time_point begin;                  ///< When it began.
+  std::chrono::nanoseconds took{0};  ///< How long it took.
+  std::uint64_t grace_periods = 0;   ///< Grace periods that began in it.
+  delay delayed;                     ///< Whom the domain waits for at its end.
+};
+
+/// What a domain calls while it collects: derive from this, override what is wanted, and install() it.
+///
+/// All functions are called in collect(), on the thread that collects, one at a time for one domain. They must not throw, and
+/// must not collect, count or retire. They may read stats() of the domain.
+///
+/// Without hooks a call of collect() has one branch more. With hooks it sums up the numbers of all types, twice
+/// at most: O(types + mutators), as stats().
+class collector_hooks {
+ public:
+  using time_point = slice_stats::time_point;  ///< When something was.
+
+  virtual ~collector_hooks() = default;
+
+  /// A slice begins.
+  virtual void slice_begins(time_point) noexcept {}
+  /// The grace period with this number, which was open when the slice began, is over. Told before the slice ends; that it is
+  /// over was found at @p when.
+  virtual void grace_period_closed(std::uint64_t /*number*/, time_point /*when*/) noexcept {}
+  /// The slice ends while the grace period with this number is open, since @p when. (Those that begin and end within one slice are
+  /// in its numbers only.)
+  virtual void grace_period_opened(std::uint64_t /*number*/, time_point /*when*/) noexcept {}
+  /// The numbers of one type at the end of the slice, if they are others than at the end of the last one; @p reclaimed objects of
+  /// the type were destroyed since then. The type's name stays valid, at its address.
+  virtual void objects(const type_stats& /*now*/, std::uint64_t /*reclaimed*/) noexcept {}
+  /// The slice ends.
+  virtual void slice_ended(const slice_stats&) noexcept {}
 };
 
 }  // namespace slamgc
@@ -1593,6 +1640,7 @@ class table_base {
   const char* const type_name;
   const std::size_t object_size;
   table_base* next = nullptr;
+  type_stats told;  // the collector's: what hooks know
 
   /// The calling thread's door, and its part in this domain if it has one.
   door& my_door(participant<Env>*& me) noexcept {
@@ -1628,6 +1676,18 @@ class table_base {
   }
   /// Candidates.
   std::uint64_t stuck() const noexcept { return stuck_.load(std::memory_order_relaxed); }  // (12)
+  type_stats stats() const noexcept {
+    type_stats s;
+    s.type = type_name;
+    s.object_size = object_size;
+    s.created = sum(&door::created);
+    s.live = live();
+    s.retired = sum(&door::retired);
+    s.reclaimed = reclaimed();
+    s.stuck = stuck();
+    s.backlog = backlog();
+    return s;
+  }
   /// Objects that wait, if nobody changes it meanwhile; never less than none.
   std::uint64_t backlog() const noexcept {
     const std::uint64_t left = left_.load(std::memory_order_relaxed);  // (12)
@@ -1985,17 +2045,8 @@ class collection {
     // (21) acquire: sees what the last collector left behind.
     if (collecting_.exchange(true, std::memory_order_acquire)) return {outcome::busy, 0};
     const auto begin = clock::now();
-    for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
-      if (p->domain == &of) p->publish();
-    collected done;
-    {
-      participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
-      const participation<Env> as_collector(me);
-      me.pass_quiescent_state();
-      work_limit<Env> work(limit.objects, limit.time, begin);
-      done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
-      me.publish();
-    }
+    const collected done =
+        hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);
     const std::int64_t took = std::chrono::nanoseconds(clock::now() - begin).count();
     if (took > longest_.load(std::memory_order_relaxed))  // (12)
       longest_.store(took, std::memory_order_relaxed);    // (12)
@@ -2009,6 +2060,14 @@ class collection {
     backlog_limit_ = limit;
     backlog_hook_ = hook;
     backlog_context_ = context;
+  }
+
+  void install(domain& of, collector_hooks* hooks) noexcept {
+    hooks_ = hooks;
+    for (table* t = of.tables(); t != nullptr; t = t->next) {
+      t->told = t->stats();
+      t->told.object_size = 0;  // of no type: they are told the next time
+    }
   }
 
   trial_deletion<Env>& trial() noexcept { return trial_; }
@@ -2041,6 +2100,54 @@ class collection {
   using clock = clock_of<Env>;
   using table = table_base<Env>;
   enum class phase { noting, waiting, deciding };
+
+  collected slice(domain& of, const budget& limit, typename clock::time_point begin) noexcept {
+    for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
+      if (p->domain == &of) p->publish();
+    collected done;
+    {
+      participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
+      const participation<Env> as_collector(me);
+      me.pass_quiescent_state();
+      work_limit<Env> work(limit.objects, limit.time, begin);
+      done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
+      me.publish();
+    }
+    return done;
+  }
+
+  /// The same, with hooks.
+  __attribute__((noinline)) collected told_slice(domain& of, const budget& limit,
+                                                 typename clock::time_point begin) noexcept {
+    const std::uint64_t before = grace_periods();
+    const bool was_open = open() != 0;
+    hooks_->slice_begins(begin);
+    slice_stats told;
+    told.did = slice(of, limit, begin);
+    told.begin = begin;
+    told.grace_periods = grace_periods() - before;
+    const bool others = told.grace_periods != 0;
+    if (was_open && (others || open() == 0)) hooks_->grace_period_closed(before, begin);
+    if (others && open() != 0) {
+      const std::chrono::nanoseconds when(opened_.load(std::memory_order_relaxed));  // (12)
+      hooks_->grace_period_opened(grace_periods(), typename clock::time_point(when));
+    }
+    for (table* t = of.tables(); t != nullptr; t = t->next) {
+      const type_stats now = t->stats();
+      if (same_numbers(now, t->told)) continue;
+      hooks_->objects(now, now.reclaimed - t->told.reclaimed);
+      t->told = now;
+    }
+    told.delayed = delayed(of);
+    told.took = clock::now() - begin;
+    hooks_->slice_ended(told);
+    return told.did;
+  }
+  static bool same_numbers(const type_stats& a, const type_stats& b) noexcept {
+    return a.object_size == b.object_size && a.created == b.created && a.live == b.live &&
+           a.retired == b.retired && a.reclaimed == b.reclaimed && a.stuck == b.stuck &&
+           a.backlog == b.backlog;
+  }
 
   outcome run(domain& of, participant<Env>& me, work_limit<Env>& work,
               std::size_t& reclaimed) noexcept {
@@ -2116,6 +2223,7 @@ class collection {
   std::uint64_t backlog_limit_ = 0;
   void (*backlog_hook_)(const delay&, void*) = nullptr;
   void* backlog_context_ = nullptr;
+  collector_hooks* hooks_ = nullptr;
 };
 
 }  // namespace SLAMGC_SHARED
@@ -2681,20 +2789,8 @@ class basic_domain {
 
   /// The numbers of now. Exact while no thread changes them. Throws std::bad_alloc. O(types + mutators).
   [[nodiscard]] domain_stats stats() const {
-    using door = runtime::table_door<Env>;
     domain_stats all;
-    for (table* t = state_->tables(); t != nullptr; t = t->next) {
-      type_stats s;
-      s.type = t->type_name;
-      s.object_size = t->object_size;
-      s.created = t->sum(&door::created);
-      s.live = t->live();
-      s.retired = t->sum(&door::retired);
-      s.reclaimed = t->reclaimed();
-      s.stuck = t->stuck();
-      s.backlog = t->backlog();
-      all.types.push_back(s);
-    }
+    for (table* t = state_->tables(); t != nullptr; t = t->next) all.types.push_back(t->stats());
     const auto& collection = state_->collection;
     for (auto* r = state_->first_record(); r != nullptr; r = r->next) {
       if (!r->taken.load(std::memory_order_relaxed)) continue;            // (12)
@@ -2721,6 +2817,10 @@ class basic_domain {
                   void* context = nullptr) noexcept {
     state_->collection.on_backlog(limit, hook, context);
   }
+
+  /// Calls @p hooks in collect() from now on; null: nobody. They must outlive the domain, or be replaced before. Not to be called
+  /// while another thread collects.
+  void install(collector_hooks* hooks) noexcept { state_->collection.install(*state_, hooks); }
 
  private:
   using outcome = collected::outcome;

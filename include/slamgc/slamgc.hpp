@@ -14,6 +14,7 @@
 #include "containers/rc_vector.hpp"
 #include "counter.hpp"
 #include "deferred.hpp"
+#include "diagnosis/hooks.hpp"
 #include "domain.hpp"
 #include "edges.hpp"
 #include "env.hpp"

@@ -78,7 +78,7 @@ void deallocate(void* p) noexcept {
 
 /// Whether *object is a T and nothing derived from it, as far as that can be known.
 template <class T>
-bool is_exactly(const T& object) noexcept {
+bool is_exactly([[maybe_unused]] const T& object) noexcept {
   if constexpr (std::is_final<T>::value || !std::has_virtual_destructor<T>::value) {
     return true;
   } else {

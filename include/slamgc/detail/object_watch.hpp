@@ -56,11 +56,14 @@ inline object_watch* watch = nullptr;
 inline namespace SLAMGC_FLAVOUR {
 namespace detail {
 
+/// Null, as the compiler knows, in the unchecked flavour. (Were it constexpr, g++ would warn of calls that are never made.)
+inline runtime::object_watch* watch() noexcept {
 #if SLAMGC_DEBUG
-inline runtime::object_watch* watch() noexcept { return runtime::watch; }
+  return runtime::watch;
 #else
-constexpr runtime::object_watch* watch() noexcept { return nullptr; }
+  return nullptr;
 #endif
+}
 
 /// Whether the object at @p p was reclaimed and somebody found out in time.
 inline bool was_reclaimed(const void* p) noexcept {

@@ -15,7 +15,6 @@
 /// allocator's, and is freed as usual.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -24,23 +23,11 @@
 #include <mutex>
 #include <new>
 #include <vector>
-#if __has_include(<execinfo.h>)
-#include <execinfo.h>
-#define SLAMGC_HAS_EXECINFO 1
-#endif
-#if defined(__SANITIZE_ADDRESS__)
-#define SLAMGC_HAS_ASAN 1
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define SLAMGC_HAS_ASAN 1
-#endif
-#endif
-#if defined(SLAMGC_HAS_ASAN)
-#include <sanitizer/asan_interface.h>
-#endif
 
 #include "../assert.hpp"
 #include "../detail/object_watch.hpp"
+#include "../detail/poison.hpp"
+#include "../detail/stacks.hpp"
 #include "../fwd.hpp"
 
 namespace slamgc {
@@ -88,9 +75,9 @@ class quarantine final : private runtime::object_watch {
   /// Checks and frees what it holds.
   ~quarantine() {
     if (!works_) return;
-    runtime::watch = nullptr;
     options_.bytes = options_.objects = 0;
     trim();
+    runtime::watch = nullptr;
 #if defined(SLAMGC_HAS_ASAN)
     __asan_set_error_report_callback(nullptr);
 #endif
@@ -101,7 +88,7 @@ class quarantine final : private runtime::object_watch {
   /// Looks for writes into what is held, and reports each object once; returns how many were found. O(bytes held).
   std::size_t check() noexcept {
     std::size_t found = 0;
-    for (memory at{}; next_damaged(at); ++found) report_damage(at);
+    for (held_memory at{}; next_damaged(at); ++found) report_damage(at);
     return found;
   }
   /// Objects held back now.
@@ -128,17 +115,15 @@ class quarantine final : private runtime::object_watch {
       h.type = r.type;
       h.size = r.held ? r.memory.size : 0;
       h.was_retired = r.was_retired;
-      h.ended = frames_of(r.ended);
-      h.reclaimed = frames_of(r.reclaimed);
+      h.ended = stacks_.frames(r.ended);
+      h.reclaimed = stacks_.frames(r.reclaimed);
       return h;
     });
   }
 
  private:
-  using memory = runtime::held_memory;
+  using held_memory = runtime::held_memory;
   using address = const unsigned char*;
-  static constexpr std::size_t depth = 32;
-  using stack = std::array<void*, depth>;
 
   struct record {
     const char* type = "";
@@ -147,7 +132,7 @@ class quarantine final : private runtime::object_watch {
     bool reported = false;
     place ended = 0;
     place reclaimed = 0;
-    runtime::held_memory memory{};
+    held_memory memory{};
   };
   using records = std::map<address, record>;
 
@@ -158,7 +143,7 @@ class quarantine final : private runtime::object_watch {
   }
   void retired(const void* object, const char* type) noexcept override { note(object, type, true); }
   bool reports_double_retire() const noexcept override { return options_.double_retire; }
-  void hold(const memory& m) noexcept override {
+  void hold(const held_memory& m) noexcept override {
     const place now = here();
     const bool kept = attempt([&] {
       record& r = records_[static_cast<address>(m.begin)];
@@ -168,7 +153,7 @@ class quarantine final : private runtime::object_watch {
       r.reclaimed = now;
       r.memory = m;
       bytes_ += m.size;
-      poison(m);
+      detail::poison(m);
     });
     if (kept)
       trim();
@@ -188,26 +173,16 @@ class quarantine final : private runtime::object_watch {
     });
   }
   place here() noexcept override {
-    place found = 0;
-#if defined(SLAMGC_HAS_EXECINFO)
-    stack s{};
-    (void)::backtrace(s.data(), static_cast<int>(depth));
-    (void)attempt([&] {
-      const auto at = places_.emplace(s, 0).first;
-      if (at->second == 0) {
-        stacks_.push_back(&at->first);
-        at->second = static_cast<place>(stacks_.size());
-      }
-      found = at->second;
-    });
-#endif
-    return found;
+    const auto stack = detail::stacks::here();
+    place at = 0;
+    (void)attempt([&] { at = stacks_.add(stack); });
+    return at;
   }
   void print(const void* p, place borrowed) noexcept override {
     const place now = here();
     locked([&] {
-      print_place("the misuse was found here", now);
-      print_place("the pointer was borrowed here", borrowed);
+      stacks_.print("the misuse was found here", now);
+      stacks_.print("the pointer was borrowed here", borrowed);
       print_history(p);
     });
   }
@@ -255,44 +230,13 @@ class quarantine final : private runtime::object_watch {
 
   // ---- the memory
 
-  static void poison(const memory& m) noexcept {
-#if defined(SLAMGC_HAS_ASAN)
-    __asan_poison_memory_region(m.begin, m.size);
-#else
-    (void)m;
-#endif
-  }
-  static void unpoison(const memory& m) noexcept {
-#if defined(SLAMGC_HAS_ASAN)
-    __asan_unpoison_memory_region(m.begin, m.size);
-#else
-    (void)m;
-#endif
-  }
-  /// Where the first byte is that was written, or the size.
-  static std::size_t first_damage(const memory& m) noexcept {
-    const auto* const bytes = static_cast<address>(m.begin);
-    const auto header = static_cast<std::size_t>(static_cast<address>(m.header) - bytes);
-    unpoison(m);
-    std::size_t i = 0;
-    for (; i != m.size; ++i) {
-      if (i == header) {
-        if (!m.header_is_new(m.header)) break;
-        i += m.header_size;
-        if (i == m.size) break;
-      }
-      if (bytes[i] != memory::pattern) break;
-    }
-    poison(m);
-    return i;
-  }
   /// The next one behind @p at that was not reported yet.
-  bool next_damaged(memory& at) noexcept {
+  bool next_damaged(held_memory& at) noexcept {
     return locked([&] {
-      for (auto i = records_.upper_bound(static_cast<address>(at.begin)); i != records_.end();
-           ++i) {
+      const auto begin = records_.upper_bound(static_cast<address>(at.begin));
+      for (auto i = begin; i != records_.end(); ++i) {
         record& r = i->second;
-        if (!r.held || r.reported || first_damage(r.memory) == r.memory.size) continue;
+        if (!r.held || r.reported || detail::first_damage(r.memory) == r.memory.size) continue;
         r.reported = true;
         at = r.memory;
         return true;
@@ -300,13 +244,12 @@ class quarantine final : private runtime::object_watch {
       return false;
     });
   }
-  static void report_damage(const memory& m) noexcept {
-    (void)m;
+  static void report_damage([[maybe_unused]] const held_memory& m) noexcept {
     SLAMGC_ASSERT(false, (misuse{"writes into an object that was reclaimed", m.type, m.begin, 0}));
   }
   void trim() noexcept {
     for (;;) {
-      memory oldest{};
+      held_memory oldest{};
       bool damaged = false;
       locked([&] {
         if (order_.size() <= options_.objects && bytes_ <= options_.bytes) return;
@@ -314,52 +257,33 @@ class quarantine final : private runtime::object_watch {
         order_.pop_front();
         oldest = r.memory;
         bytes_ -= oldest.size;
-        damaged = !r.reported && first_damage(oldest) != oldest.size;
+        damaged = !r.reported && detail::first_damage(oldest) != oldest.size;
         r.reported = true;
       });
       if (oldest.begin == nullptr) return;
       if (damaged) report_damage(oldest);  // finds its record still
       locked([&] { records_.erase(static_cast<address>(oldest.begin)); });
-      unpoison(oldest);
+      detail::unpoison(oldest);
       oldest.free(oldest);
     }
   }
 
   // ---- reports
 
-  std::vector<void*> frames_of(place at) const {
-    std::vector<void*> frames;
-    if (at == 0) return frames;
-    for (void* const frame : *stacks_[at - 1])
-      if (frame != nullptr) frames.push_back(frame);
-    return frames;
-  }
-  void print_place(const char* what, place at) const noexcept {
-    if (at == 0) return;
-    std::fprintf(stderr, "slamgc: %s:\n", what);
-#if defined(SLAMGC_HAS_EXECINFO)
-    const stack& frames = *stacks_[at - 1];
-    std::size_t size = 0;
-    while (size != depth && frames[size] != nullptr) ++size;
-    std::fflush(stderr);
-    ::backtrace_symbols_fd(frames.data(), static_cast<int>(size), 2);
-#endif
-  }
   void print_history(const void* p) const noexcept {
     const auto found = find(p);
     if (found == records_.end()) return;
     const record& r = found->second;
-    std::fprintf(stderr, "slamgc: of the object of type %s at %p is known:\n", r.type,
-                 static_cast<const void*>(found->first));
-    print_place(r.was_retired ? "it was retired here" : "its last reference was dropped here",
-                r.ended);
-    print_place("it was reclaimed here", r.reclaimed);
+    const void* const at = found->first;
+    std::fprintf(stderr, "slamgc: of the object of type %s at %p is known:\n", r.type, at);
+    stacks_.print(r.was_retired ? "it was retired here" : "its last reference was dropped here",
+                  r.ended);
+    stacks_.print("it was reclaimed here", r.reclaimed);
     if (!r.held) return;
-    const std::size_t damage = first_damage(r.memory);
+    const std::size_t damage = detail::first_damage(r.memory);
     if (damage != r.memory.size)
-      std::fprintf(stderr, "slamgc: it was written to afterwards, first at byte %llu of %llu\n",
-                   static_cast<unsigned long long>(damage),
-                   static_cast<unsigned long long>(r.memory.size));
+      std::fprintf(stderr, "slamgc: it was written to afterwards, first at byte %zu of %zu\n",
+                   damage, r.memory.size);
   }
 #if defined(SLAMGC_HAS_ASAN)
   static void after_asan(const char*) noexcept {
@@ -375,8 +299,7 @@ class quarantine final : private runtime::object_watch {
   std::deque<address> order_;  // of those that are held, the oldest first
   std::size_t bytes_ = 0;
   std::size_t not_held_ = 0;
-  std::map<stack, place> places_;
-  std::vector<const stack*> stacks_;
+  detail::stacks stacks_;
 };
 
 }  // namespace SLAMGC_FLAVOUR
