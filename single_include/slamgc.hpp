@@ -133,11 +133,14 @@ inline object_watch* watch = nullptr;
 inline namespace SLAMGC_FLAVOUR {
 namespace detail {
 
+/// Null, as the compiler knows, in the unchecked flavour. (Were it constexpr, g++ would warn of calls that are never made.)
+inline runtime::object_watch* watch() noexcept {
 #if SLAMGC_DEBUG
-inline runtime::object_watch* watch() noexcept { return runtime::watch; }
+  return runtime::watch;
 #else
-constexpr runtime::object_watch* watch() noexcept { return nullptr; }
+  return nullptr;
 #endif
+}
 
 /// Whether the object at @p p was reclaimed and somebody found out in time.
 inline bool was_reclaimed(const void* p) noexcept {
@@ -1004,7 +1007,7 @@ void deallocate(void* p) noexcept {
 
 /// Whether *object is a T and nothing derived from it, as far as that can be known.
 template <class T>
-bool is_exactly(const T& object) noexcept {
+bool is_exactly([[maybe_unused]] const T& object) noexcept {
   if constexpr (std::is_final<T>::value || !std::has_virtual_destructor<T>::value) {
     return true;
   } else {
@@ -1640,7 +1643,6 @@ class table_base {
   const char* const type_name;
   const std::size_t object_size;
   table_base* next = nullptr;
-  type_stats told;  // the collector's: what hooks know
 
   /// The calling thread's door, and its part in this domain if it has one.
   door& my_door(participant<Env>*& me) noexcept {
@@ -1706,6 +1708,9 @@ class table_base {
   typename door::number reclaimed_{0};
   typename door::number left_{0};
   typename door::number stuck_{0};
+
+ public:
+  type_stats told;  // what hooks know; behind the doors, whose offsets the instructions depend on
 };
 
 }  // namespace SLAMGC_SHARED
