@@ -26,8 +26,8 @@
 
 // ---- slamgc/slamgc.hpp ----
 /// @file
-/// Everything, except mutex_counter.hpp, which exists for comparison, and background_reclaimer.hpp, which a
-/// program includes in one place: `<mutex>` is large.
+/// Everything, except mutex_counter.hpp, which exists for comparison, and what a program includes in one place, since
+/// `<mutex>` is large: background_reclaimer.hpp, diagnosis/quarantine.hpp, integrations/.
 
 // ---- slamgc/atomic_rc.hpp ----
 /// @file
