@@ -29,24 +29,20 @@
 /// Everything, except mutex_counter.hpp, which exists for comparison, and what a program includes in one place, since
 /// `<mutex>` is large: background_reclaimer.hpp, diagnosis/quarantine.hpp, integrations/.
 
-// ---- slamgc/atomic_rc.hpp ----
+// ---- slamgc/anchor.hpp ----
 /// @file
-/// A counted member that hands out references of the reader's own.
+/// Handles that keep a small record of their object when it is gone.
 
+#include <cstddef>
+#include <optional>
 #include <type_traits>
 #include <utility>
-
-// ---- slamgc/deferred.hpp ----
-/// @file
-/// The reclaimers that wait: an object is destroyed when nobody can see it any more.
-
-#include <cstdint>
 
 // ---- slamgc/assert.hpp ----
 /// @file
 /// What slamgc does when it is misused: a replaceable assertion that names the object.
 
-#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 
@@ -238,6 +234,10 @@ class type_name {
 #define SLAMGC_ASSERT(condition, found) ((void)0)
 #endif
 #endif
+// ---- slamgc/deferred.hpp ----
+/// @file
+/// The reclaimers that wait: an object is destroyed when nobody can see it any more.
+
 // ---- slamgc/detail/zero_count_table.hpp ----
 /// @file
 /// The zero-count table: objects that wait until nobody can see them any more.
@@ -267,29 +267,9 @@ class type_name {
 ///
 /// Deferred reference counting: Deutsch and Bobrow 1976; *The Garbage Collection Handbook*, 5.3.
 
-// ---- slamgc/edges.hpp ----
+// ---- slamgc/reclaim_at_zero.hpp ----
 /// @file
-/// Describing the edges of an object: what a collector needs to know to find cycles.
-///
-/// ```
-/// struct KeyFrame : slamgc::rc_object<KeyFrame, slamgc::fetch_add_counter, slamgc::reclaim_retired> {
-///   template <class Visitor>
-///   void edges(Visitor& v) {
-///     {
-///       const std::lock_guard<std::mutex> lock(mMutexFeatures);
-///       v.edge("mvpMapPoints", mvpMapPoints);
-///     }
-///     const std::lock_guard<std::mutex> lock(mMutexConnections);
-///     v.edge("mpParent", mpParent);
-///     for (auto& list : mvGrid) v.edge("mvGrid", list);
-///   }
-/// ```
-///
-/// One function per type names each counted member once. It takes the program's own locks, since other threads may
-/// change the members meanwhile; it may be called on any thread that collects, at any time while the object exists; it
-/// must not change, count or destroy anything itself, nor throw. Edges do not lead into another domain.
-/// collect() must not be called under a lock that an edges() takes. A member that is left out, or named twice, makes
-/// objects live on that nobody needs; it never makes one die too early.
+/// The default reclaimer: an object is destroyed as soon as its count falls to zero.
 
 // ---- slamgc/detail/header.hpp ----
 /// @file
@@ -376,6 +356,14 @@ template <class T, class Env = std_env>
 class atomic_rc;
 template <class T, class Env = std_env>
 class borrow;
+template <class T, class Env = std_env>
+class enable_weak_rc;
+template <class T, class Env = std_env>
+class weak_rc;
+template <class T, class Record, class Env = std_env>
+class enable_anchor;
+template <class T, class Record, class Env = std_env>
+class anchor;
 template <class Container>
 class scoped_count;
 
@@ -383,6 +371,8 @@ template <class Env>
 class basic_domain;
 template <class Env>
 class basic_mutator;
+template <class Env>
+class basic_root;
 template <class T>
 class retire_set;
 class background_reclaimer;
@@ -391,9 +381,12 @@ class background_reclaimer;
 using domain = basic_domain<std_env>;
 /// Registers a thread with a domain.
 using mutator = basic_mutator<std_env>;
+/// Tells a domain where references from outside of the graph are.
+using root = basic_root<std_env>;
 
 namespace detail {
 struct domain_access;
+struct mutator_access;
 }  // namespace detail
 
 // The trailing parameters are those of the standard container (allocator, comparator, hash), with
@@ -408,6 +401,8 @@ template <class T, class Mapped, class... Options>
 class rc_map;
 template <class Key, class T, class... Options>
 class rc_value_map;
+template <class Container, class Env = std_env>
+class registry;
 template <class T, class... Options>
 class rc_unordered_set;
 template <class T, class Mapped, class... Options>
@@ -453,6 +448,16 @@ struct std_env {
     // (2) memory_order_acq_rel: publishes *desired to load (1) and to the next exchange, and sees
     // what the exchange that stored the old pointer published.
     return __atomic_exchange_n(&element, desired, __ATOMIC_ACQ_REL);
+  }
+
+  /// Replaces an element of a standard container if it is @p expected.
+  template <class T>
+  [[nodiscard]] static bool compare_exchange(T*& element, T* expected, T* desired) noexcept {
+    // (2) memory_order_acq_rel: as exchange().
+    // (2) memory_order_relaxed: a failure reads nothing that anybody uses.
+    return __atomic_compare_exchange_n(&element, &expected, desired, false,
+                                       __ATOMIC_ACQ_REL,   // (2)
+                                       __ATOMIC_RELAXED);  // (2)
   }
 };
 
@@ -654,6 +659,14 @@ struct transitions {
     if (__builtin_expect(before.is_saturated(), false)) saturate(s);
   }
 
+  /// As increment, for who then looks at something that a collector changes before it changes the word: an addition, but
+  /// by subtract, since that acquires.
+  static void increment_before_look(storage& s) noexcept {
+    constexpr std::uint64_t one = state_word::version_unit + state_word::count_unit;
+    const state_word before{Policy::subtract(s, std::uint64_t{0} - one)};
+    if (before.is_saturated()) saturate(s);
+  }
+
   /// A reference changes its place: the count stays, the version does not. An addition, but by
   /// subtract, since that releases: who finds the new version must find the old place empty.
   static void move(storage& s) noexcept {
@@ -765,6 +778,15 @@ using policy_of = typename traits_of<T>::type::policy;
 template <class T>
 using reclaimer_of = typename traits_of<T>::type::reclaimer;
 
+/// An address for each type.
+template <class T>
+inline constexpr char type_key = 0;
+
+/// Marks the reclaimers that defer.
+struct deferred_base {};
+template <class T>
+struct is_deferred : std::is_base_of<deferred_base, reclaimer_of<T>> {};
+
 /// Nobody but this file and the collectors reaches into an object.
 struct access {
   template <class T>
@@ -834,106 +856,6 @@ void drop_reference(T* p) noexcept {
 }  // namespace detail
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
-
-namespace slamgc {
-inline namespace SLAMGC_FLAVOUR {
-namespace detail {
-
-/// How the references in a counted member are read and dropped.
-template <class Member>
-struct edge_member {
-  static_assert(
-      false_for<Member>::value,
-      "slamgc: an edge is an rc_slot, an atomic_rc or a counted container; an intrusive_rc is "
-      "none, since moving it tells nobody, and a raw pointer is not counted");
-};
-template <class T, class Env>
-struct edge_member<rc_slot<T, Env>> {
-  template <class F>
-  static void each(const rc_slot<T, Env>& member, F f) {
-    if (T* const p = member.get()) f(p);
-  }
-  static void sever(rc_slot<T, Env>& member) noexcept { member = nullptr; }
-};
-template <class T, class Env>
-struct edge_member<atomic_rc<T, Env>> {
-  template <class F>
-  static void each(const atomic_rc<T, Env>& member, F f) {
-    if (T* const p = member.get()) f(p);
-  }
-  static void sever(atomic_rc<T, Env>& member) noexcept { member = nullptr; }
-};
-
-template <class T, class Std, class Reference, class Iterator>
-class counted_container;
-template <class T, class Std, class Reference, class Iterator>
-Reference reference_in(const counted_container<T, Std, Reference, Iterator>&);
-
-template <class Container>
-struct edge_container {
-  using reference = decltype(detail::reference_in(std::declval<const Container&>()));
-
-  template <class F>
-  static void each(const Container& member, F f) {
-    for (const auto& value : member.raw())
-      if (auto* const p = reference()(value)) f(p);
-  }
-  static void sever(Container& member) noexcept { member.clear(); }
-};
-template <class T, class... Options>
-struct edge_member<rc_vector<T, Options...>> : edge_container<rc_vector<T, Options...>> {};
-template <class T, class... Options>
-struct edge_member<rc_list<T, Options...>> : edge_container<rc_list<T, Options...>> {};
-template <class T, class... Options>
-struct edge_member<rc_set<T, Options...>> : edge_container<rc_set<T, Options...>> {};
-template <class T, class M, class... Options>
-struct edge_member<rc_map<T, M, Options...>> : edge_container<rc_map<T, M, Options...>> {};
-template <class K, class T, class... Options>
-struct edge_member<rc_value_map<K, T, Options...>>
-    : edge_container<rc_value_map<K, T, Options...>> {};
-template <class T, class... Options>
-struct edge_member<rc_unordered_set<T, Options...>>
-    : edge_container<rc_unordered_set<T, Options...>> {};
-template <class T, class M, class... Options>
-struct edge_member<rc_unordered_map<T, M, Options...>>
-    : edge_container<rc_unordered_map<T, M, Options...>> {};
-
-/// A visitor that does nothing: whether a type has edges().
-struct edge_probe {
-  template <class Member>
-  void edge(const char*, Member&) {}
-};
-template <class T, class = void>
-struct has_edges : std::false_type {};
-template <class T>
-struct has_edges<T, std::void_t<decltype(std::declval<T&>().edges(std::declval<edge_probe&>()))>>
-    : std::true_type {};
-
-/// A visitor that calls f(p) for each reference.
-template <class F>
-struct reference_visitor {
-  F f;
-
-  template <class Member>
-  void edge(const char*, Member& member) {
-    edge_member<std::remove_const_t<Member>>::each(member, f);
-  }
-};
-/// A visitor that drops all references.
-struct severing_visitor {
-  template <class Member>
-  void edge(const char*, Member& member) {
-    edge_member<Member>::sever(member);
-  }
-};
-
-}  // namespace detail
-}  // namespace SLAMGC_FLAVOUR
-}  // namespace slamgc
-// ---- slamgc/reclaim_at_zero.hpp ----
-/// @file
-/// The default reclaimer: an object is destroyed as soon as its count falls to zero.
-
 // ---- slamgc/detail/hold_back.hpp ----
 /// @file
 /// Destroying an object without freeing its memory.
@@ -1197,170 +1119,671 @@ struct reclaim_at_zero {
 
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
-// ---- slamgc/detail/domain_state.hpp ----
+// ---- slamgc/detail/described.hpp ----
 /// @file
-/// What outlives a domain: its epoch, the records of its mutators, and its tables.
+/// What collectors do by means of edges(): find references, sever, purge, report.
+
+// ---- slamgc/dispositions.hpp ----
+/// @file
+/// What becomes of an edge when its target is retired.
+///
+/// ```
+/// v.edge("mpParent", mpParent);                                        // hold: nothing
+/// v.edge("mvpMapPoints", mvpMapPoints, slamgc::on_retire::null);       // the element becomes null
+/// v.edge("mObservations", mObservations, slamgc::on_retire::erase);    // the key or element goes
+/// v.edge("mvpOrderedConnectedKeyFrames", mvpOrderedConnectedKeyFrames, // so do those that belong to it
+///        slamgc::on_retire::erase_with(mvOrderedWeights));
+/// v.edge("mNextKF", mNextKF, slamgc::on_retire::bypass([](KeyFrame& retired) {
+///          return retired.mNextKF.get();                               // the slot refers to this instead
+///        }));
+/// ```
+///
+/// An edge of a live object to a retired one is *stale*: the program has declared the target dead and left a
+/// reference to it behind. A purge (detail/purge.hpp) finds stale edges and does with each what its description says.
+
+#include <tuple>
+
+namespace slamgc {
+namespace on_retire {
+
+/// Nothing: whoever described the edge needs the object, retired or not. The default.
+struct hold_edge {};
+inline constexpr hold_edge hold{};  ///< See hold_edge.
+
+/// The slot, the element of an rc_vector or the value of an rc_value_map becomes null.
+struct null_edge {};
+inline constexpr null_edge null{};  ///< See null_edge.
+
+/// The key or element is erased from its container.
+struct erase_edge {};
+inline constexpr erase_edge erase{};  ///< See erase_edge.
+
+/// As erase_edge, from an rc_vector or rc_list; and so is what stands at the same place in each companion. See
+/// erase_with().
+template <class... Companions>
+struct erase_edge_with {
+  std::tuple<Companions&...> companions;
+};
+/// The element is erased from its rc_vector or rc_list, and with it what stands at the same place in each of
+/// @p companions: sequences of the same length, under the same lock. Of another length: nothing happens, and the checked
+/// flavour reports it.
+template <class... Companions>
+erase_edge_with<Companions...> erase_with(Companions&... companions) noexcept {
+  return {std::tuple<Companions&...>(companions...)};
+}
+
+/// See bypass().
+template <class Next>
+struct bypass_edge {
+  Next next;
+};
+/// The slot or element refers to what @p next(retired) returns instead, which may be null; and if that is retired too,
+/// to what comes next. For chains, whose retired members are to be stepped over. @p next is called with the locks of
+/// edges() held; it may do what belongs to it, such as adding the retired keyframe's measurements to those of its neighbour,
+/// but must not throw. (Another thread may assign the slot at the same time: then it was called in vain.)
+template <class Next>
+bypass_edge<Next> bypass(Next next) noexcept {
+  return {std::move(next)};
+}
+
+/// For reports.
+constexpr const char* name_of(const hold_edge*) noexcept { return "hold"; }
+/// For reports.
+constexpr const char* name_of(const null_edge*) noexcept { return "null"; }
+/// For reports.
+constexpr const char* name_of(const erase_edge*) noexcept { return "erase"; }
+/// For reports.
+template <class... Companions>
+constexpr const char* name_of(const erase_edge_with<Companions...>*) noexcept {
+  return "erase";
+}
+/// For reports.
+template <class Next>
+constexpr const char* name_of(const bypass_edge<Next>*) noexcept {
+  return "bypass";
+}
+
+}  // namespace on_retire
+}  // namespace slamgc
+// ---- slamgc/detail/edge_member.hpp ----
+/// @file
+/// How the references in a counted member are read, dropped, and purged of stale ones.
+
+#include <iterator>
+
+// ---- slamgc/detail/element_ref.hpp ----
+/// @file
+/// An element of a counted container, as an expression that can be read and assigned.
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// What `v[i]` is where `v` is an rc_vector: reads like a `T*`, and counts when it is assigned.
+///
+/// Assignment is an atomic exchange, as in rc_slot: two threads that assign one element each release
+/// another old pointer, even where the program forgot its lock. Not for keeping: like any reference
+/// to an element it dies with the next change of the container's size, and `auto p = v[i];` copies
+/// the reference, not the pointer.
+template <class T>
+class element_ref {
+ public:
+  /// Refers to @p element.
+  explicit element_ref(T*& element) noexcept : element_(element) {}
+  /// Refers to the same element.
+  element_ref(const element_ref&) noexcept = default;
+
+  /// The pointer, borrowed: for a reader that does not hold the lock of the container.
+  [[nodiscard]] T* get() const noexcept { return policy_of<T>::env::load(element_); }
+  /// The pointer, borrowed, under the lock of the container: a plain read.
+  [[nodiscard]] operator T*() const noexcept { return element_; }
+  /// The object's members. Not for null.
+  [[nodiscard]] T* operator->() const noexcept { return *this; }
+  /// The object. Not for null.
+  [[nodiscard]] T& operator*() const noexcept { return *static_cast<T*>(*this); }
+
+  /// The element refers to @p p.
+  const element_ref& operator=(T* p) const noexcept {
+    detail::add_reference(p);
+    detail::drop_reference(policy_of<T>::env::exchange(element_, p));
+    return *this;
+  }
+  /// If the element refers to @p expected: it refers to @p p, and returns true. Else nothing changes.
+  bool compare_exchange(T* expected, T* p) const noexcept {
+    detail::add_reference(p);
+    const bool done = policy_of<T>::env::compare_exchange(element_, expected, p);
+    detail::drop_reference(done ? expected : p);
+    return done;
+  }
+  /// The element refers to what @p other refers to now.
+  element_ref& operator=(const element_ref& other) noexcept {
+    *this = other.get();
+    return *this;
+  }
+  /// Exchanges the pointers of two elements.
+  friend void swap(element_ref a, element_ref b) noexcept {
+    T* const from_a = a.get();
+    detail::add_reference(from_a);  // it is in neither element for a moment
+    a = b.get();
+    b = from_a;
+    detail::drop_reference(from_a);
+  }
+
+ private:
+  T*& element_;
+};
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+template <class T, class Std, class Reference, class Iterator>
+class counted_container;
+template <class T, class Std, class Reference, class Iterator>
+Reference reference_in(const counted_container<T, Std, Reference, Iterator>&);
+
+/// Removes elements from a companion of a purged sequence, in step with it.
+template <class Companion>
+class companion_cursor {
+  using iterator = typename Companion::iterator;
+  static constexpr bool by_index =
+      std::is_base_of<std::random_access_iterator_tag,
+                      typename std::iterator_traits<iterator>::iterator_category>::value;
+
+ public:
+  explicit companion_cursor(Companion& c) : companion_(c), at_(c.begin()) {}
+
+  void keep() {
+    if constexpr (by_index) {
+      if (kept_ != seen_) companion_[kept_] = std::move(companion_[seen_]);
+      ++kept_;
+      ++seen_;
+    } else {
+      ++at_;
+    }
+  }
+  void remove() {
+    if constexpr (by_index)
+      ++seen_;
+    else
+      at_ = companion_.erase(at_);
+  }
+  void finish() {
+    if constexpr (by_index)
+      companion_.erase(companion_.begin() + static_cast<std::ptrdiff_t>(kept_), companion_.end());
+  }
+
+ private:
+  Companion& companion_;
+  iterator at_;
+  std::size_t kept_ = 0;
+  std::size_t seen_ = 0;
+};
+
+/// What bypass puts in the place of @p p. Chains of retired objects may be circles.
+template <class T, class Next, class Stale>
+T* bypassed(T* p, const Next& next, Stale& stale) {
+  T* mark = p;
+  std::size_t steps = 0;
+  std::size_t next_mark = 1;
+  do {
+    p = next(*p);
+    if (p == mark) return nullptr;
+    if (++steps == next_mark) {  // Brent 1980: the mark moves at powers of two
+      mark = p;
+      next_mark *= 2;
+    }
+  } while (p != nullptr && stale(p));
+  return p;
+}
+
+/// A member that is one reference: `compare_exchange` changes it while other threads may assign it.
+template <class Slot>
+struct edge_slot {
+  template <class F>
+  static void each(const Slot& member, F f) {
+    if (auto* const p = member.get()) f(p);
+  }
+  template <class Stale>
+  static void purge(Slot& member, on_retire::hold_edge, Stale& stale) {
+    each(member, [&](auto* p) { stale.hold(p); });
+  }
+  template <class Stale>
+  static void purge(Slot& member, on_retire::null_edge, Stale& stale) {
+    auto* const p = member.get();
+    if (p != nullptr && stale(p)) stale.dropped(replace(member, p, decltype(p)(nullptr)));
+  }
+  template <class Next, class Stale>
+  static void purge(Slot& member, const on_retire::bypass_edge<Next>& how, Stale& stale) {
+    auto* const p = member.get();
+    if (p != nullptr && stale(p))
+      stale.dropped(replace(member, p, detail::bypassed(p, how.next, stale)));
+  }
+  template <class Disposition, class Stale>
+  static void purge(Slot&, const Disposition&, Stale&) {
+    static_assert(false_for<Disposition>::value,
+                  "slamgc: what can become of a slot is hold, null or bypass");
+  }
+
+ private:
+  template <class T, class Env>
+  static bool replace(rc_slot<T, Env>& slot, T* expected, T* p) {
+    return slot.compare_exchange(expected, p);
+  }
+  template <class T, class Env>
+  static bool replace(atomic_rc<T, Env>& slot, T* expected, T* p) {
+    return slot.compare_exchange_strong(expected, intrusive_rc<T>(p));
+  }
+};
+
+/// What all containers have in common.
+template <class Container>
+struct edge_container {
+  using reference = decltype(detail::reference_in(std::declval<const Container&>()));
+
+  template <class F>
+  static void each(const Container& member, F f) {
+    for (const auto& value : member.raw())
+      if (auto* const p = reference()(value)) f(p);
+  }
+  static void sever(Container& member) noexcept { member.clear(); }
+  template <class Stale>
+  static void purge(Container& member, on_retire::hold_edge, Stale& stale) {
+    each(member, [&](auto* p) { stale.hold(p); });
+  }
+  template <class Disposition, class Stale>
+  static void purge(Container&, const Disposition&, Stale&) {
+    static_assert(
+        false_for<Disposition>::value,
+        "slamgc: this container cannot do that: null is for rc_vector and rc_value_map, bypass "
+        "and erase_with for sequences");
+  }
+
+ protected:
+  /// What `remove_if` asks.
+  template <class Stale>
+  static auto removes(Stale& stale) {
+    return [&stale](auto* p) { return p != nullptr && stale(p) && stale.dropped(true); };
+  }
+};
+
+/// rc_vector and rc_list.
+template <class Container>
+struct edge_sequence : edge_container<Container> {
+  using edge_container<Container>::purge;
+
+  template <class Stale>
+  static void purge(Container& member, on_retire::erase_edge, Stale& stale) {
+    member.remove_if(edge_container<Container>::removes(stale));
+  }
+  template <class... Companions, class Stale>
+  static void purge(Container& member, const on_retire::erase_edge_with<Companions...>& how,
+                    Stale& stale) {
+    const bool in_step = std::apply(
+        [&](auto&... c) { return (... && (c.size() == member.size())); }, how.companions);
+    SLAMGC_ASSERT(in_step, (misuse{"describes a companion of another length than its sequence",
+                                   "companion", &member, 0}));
+    if (!in_step) return purge(member, on_retire::hold, stale);
+    auto cursors =
+        std::apply([](auto&... c) { return std::make_tuple(cursor_of(c)...); }, how.companions);
+    const auto gone = edge_container<Container>::removes(stale);
+    member.remove_if([&](auto* p) {
+      const bool remove = gone(p);
+      std::apply([remove](auto&... c) { (..., (remove ? c.remove() : c.keep())); }, cursors);
+      return remove;
+    });
+    std::apply([](auto&... c) { (..., c.finish()); }, cursors);
+  }
+
+ private:
+  template <class Companion>
+  static companion_cursor<Companion> cursor_of(Companion& c) {
+    return companion_cursor<Companion>(c);
+  }
+};
+
+/// Containers whose elements can be replaced one by one.
+template <class Stale, class Element>
+void purge_element(Element element, on_retire::null_edge, Stale& stale) {
+  auto* const p = element.get();
+  if (p != nullptr && stale(p)) stale.dropped(element.compare_exchange(p, nullptr));
+}
+template <class Stale, class Next, class Element>
+void purge_element(Element element, const on_retire::bypass_edge<Next>& how, Stale& stale) {
+  auto* const p = element.get();
+  if (p != nullptr && stale(p))
+    stale.dropped(element.compare_exchange(p, detail::bypassed(p, how.next, stale)));
+}
+
+/// Sets and maps.
+template <class Container>
+struct edge_keyed : edge_container<Container> {
+  using edge_container<Container>::purge;
+  using typename edge_container<Container>::reference;
+
+  template <class Stale>
+  static void purge(Container& member, on_retire::erase_edge, Stale& stale) {
+    using pointer = decltype(reference()(*member.raw().begin()));
+    using target = std::remove_pointer_t<pointer>;
+    if constexpr (std::is_same<typename Container::key_type, target*>::value) {
+      // By look-up, where that is less work than a walk.
+      if (stale.few(member.size())) {
+        stale.template each<target>([&](target* p) { return member.erase(p) != 0; });
+        return;
+      }
+    }
+    const auto gone = edge_container<Container>::removes(stale);
+    for (auto i = member.raw().begin(); i != member.raw().end();)
+      i = gone(reference()(*i)) ? static_cast<decltype(i)>(member.erase(i)) : std::next(i);
+  }
+};
+
+template <class Member>
+struct edge_member {
+  static_assert(
+      false_for<Member>::value,
+      "slamgc: an edge is an rc_slot, an atomic_rc or a counted container; an intrusive_rc is "
+      "none, since moving it tells nobody, and a raw pointer is not counted");
+};
+template <class T, class Env>
+struct edge_member<rc_slot<T, Env>> : edge_slot<rc_slot<T, Env>> {
+  static void sever(rc_slot<T, Env>& member) noexcept { member = nullptr; }
+};
+template <class T, class Env>
+struct edge_member<atomic_rc<T, Env>> : edge_slot<atomic_rc<T, Env>> {
+  static void sever(atomic_rc<T, Env>& member) noexcept { member = nullptr; }
+};
+template <class T, class... Options>
+struct edge_member<rc_vector<T, Options...>> : edge_sequence<rc_vector<T, Options...>> {
+  using edge_sequence<rc_vector<T, Options...>>::purge;
+
+  template <class Stale>
+  static void purge(rc_vector<T, Options...>& member, on_retire::null_edge how, Stale& stale) {
+    for (std::size_t i = 0; i != member.size(); ++i) detail::purge_element(member[i], how, stale);
+  }
+  template <class Next, class Stale>
+  static void purge(rc_vector<T, Options...>& member, const on_retire::bypass_edge<Next>& how,
+                    Stale& stale) {
+    for (std::size_t i = 0; i != member.size(); ++i) detail::purge_element(member[i], how, stale);
+  }
+};
+template <class T, class... Options>
+struct edge_member<rc_list<T, Options...>> : edge_sequence<rc_list<T, Options...>> {};
+template <class T, class... Options>
+struct edge_member<rc_set<T, Options...>> : edge_keyed<rc_set<T, Options...>> {};
+template <class T, class M, class... Options>
+struct edge_member<rc_map<T, M, Options...>> : edge_keyed<rc_map<T, M, Options...>> {};
+template <class K, class T, class... Options>
+struct edge_member<rc_value_map<K, T, Options...>> : edge_keyed<rc_value_map<K, T, Options...>> {
+  using edge_keyed<rc_value_map<K, T, Options...>>::purge;
+
+  template <class Stale>
+  static void purge(rc_value_map<K, T, Options...>& member, on_retire::null_edge how,
+                    Stale& stale) {
+    for (const auto& value : member.raw())
+      if (value.second != nullptr && stale(value.second))
+        detail::purge_element(member.at(value.first), how, stale);
+  }
+};
+template <class T, class... Options>
+struct edge_member<rc_unordered_set<T, Options...>> : edge_keyed<rc_unordered_set<T, Options...>> {
+};
+template <class T, class M, class... Options>
+struct edge_member<rc_unordered_map<T, M, Options...>>
+    : edge_keyed<rc_unordered_map<T, M, Options...>> {};
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/detail/purge.hpp ----
+/// @file
+/// The purge: what the program left of references to retired objects is dropped.
+///
+/// ORB-SLAM3 marks a keyframe as bad and takes it out of most places, not out of all: covisibility keys are not symmetric,
+/// neighbours in time keep it, a fused point stays in slots. Such *stale edges* keep retired objects for ever: they are
+/// *stuck*. A purge walks the live objects from the roots (heap_walk.hpp) and does with each edge to a stuck object what the
+/// edge's disposition says (dispositions.hpp), under the locks that its edges() takes. All stuck objects in one walk.
+///
+/// **When.** Trial deletion excludes a candidate that is referred to from elsewhere. A purge is due if, since the last one
+/// began, such a candidate has appeared or a reference to one was added or moved (its version). Else the last purge has seen
+/// all references to it, and those that are left are held or not described. That is true unless an edge moved past the walk:
+/// so if the references that a purge has seen do not add up to the count, it is due again after 1, 2, 4, ... calls.
+///
+/// **Where edges of retired objects are concerned**: they stay as they are until the object is reclaimed.
+///
+/// **Why it is safe**: a purge drops references as the program could at any time. It holds no lock of the library, and
+/// destroys nothing. Between its begin and its end no object is destroyed at all.
+///
+/// Each step visits one object: its edges are the longest that a lock of the program is held. O(live objects + edges);
+/// stuck objects are looked up in keyed containers.
+
+// ---- slamgc/detail/heap_walk.hpp ----
+/// @file
+/// A walk over the live objects of a domain, from its roots along the described edges.
+///
+/// **Safe without counting.** Objects are destroyed by collectors alone, one of which is at work at a time, and this
+/// one destroys nothing from the begin of a walk to its end: so each object that was met through an edge exists until then,
+/// whatever mutators do to its edges meanwhile. (An object that the program itself deletes must never have been stored in an
+/// edge or a root: those are retired.)
+///
+/// **What it meets.** An object is met if a path leads to it all the time. While mutators move edges about, one may be
+/// missed; those who walk say what that means to them.
+///
+/// Each step visits one object, so that a walk can be done in slices. O(objects + edges) in all; eight bytes for each
+/// object, at a load of at most one half, while it lasts.
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+/// A set of addresses, or a map from addresses to small values. Out of memory it stays as it is.
+template <class Entry>
+class address_table {
+  static_assert(std::is_trivially_copyable<Entry>::value, "is moved by plain copies");
+
+ public:
+  address_table() noexcept = default;
+  ~address_table() { clear(); }
+  address_table(const address_table&) = delete;
+  address_table& operator=(const address_table&) = delete;
+
+  std::size_t size() const noexcept { return size_; }
+  bool reserve(std::size_t entries) noexcept {
+    std::size_t slots = 64;
+    while (slots < 2 * entries) slots *= 2;
+    return slots <= slots_ || rehash(slots);
+  }
+  /// The entry with this key, or null.
+  Entry* find(const void* key) const noexcept {
+    if (size_ == 0) return nullptr;
+    Entry* const e = place_of(key);
+    return e->key == key ? e : nullptr;
+  }
+  /// Adds an entry, unless there is one with its key. Null: no memory; else `added` says which.
+  Entry* add(const Entry& entry, bool& added) noexcept {
+    if (2 * size_ >= slots_ && !rehash(slots_ == 0 ? 64 : 2 * slots_)) return nullptr;
+    Entry* const e = place_of(entry.key);
+    added = e->key != entry.key;
+    if (added) {
+      *e = entry;
+      ++size_;
+    }
+    return e;
+  }
+  template <class F>
+  void each(F f) const {
+    for (std::size_t i = 0; i != slots_; ++i)
+      if (entries_[i].key != nullptr) f(entries_[i]);
+  }
+  void clear() noexcept {
+    std::free(entries_);
+    entries_ = nullptr;
+    slots_ = size_ = 0;
+  }
+
+ private:
+  Entry* place_of(const void* key) const noexcept {
+    // Fibonacci hashing (Knuth, TAOCP 6.4): objects of one type lie at equal distances.
+    std::size_t i = static_cast<std::size_t>(
+        ((reinterpret_cast<std::uintptr_t>(key) >> 3) * UINT64_C(0x9e3779b97f4a7c15)) >> 20);
+    for (;; ++i) {
+      Entry& e = entries_[i & (slots_ - 1)];
+      if (e.key == key || e.key == nullptr) return &e;
+    }
+  }
+  bool rehash(std::size_t slots) noexcept {
+    // Zero as the system hands it out: large tables cost nothing until they are used.
+    auto* const fresh = static_cast<Entry*>(std::calloc(slots, sizeof(Entry)));
+    if (fresh == nullptr) return false;
+    Entry* const old = entries_;
+    const std::size_t old_slots = slots_;
+    entries_ = fresh;
+    slots_ = slots;
+    for (std::size_t i = 0; i != old_slots; ++i)
+      if (old[i].key != nullptr) *place_of(old[i].key) = old[i];
+    std::free(old);
+    return true;
+  }
+
+  Entry* entries_ = nullptr;
+  std::size_t slots_ = 0;
+  std::size_t size_ = 0;
+};
+
+/// A stack. Out of memory it stays as it is.
+template <class Item>
+class growing_stack {
+  static_assert(std::is_trivially_copyable<Item>::value, "is moved by plain copies");
+
+ public:
+  growing_stack() noexcept = default;
+  ~growing_stack() { clear(); }
+  growing_stack(const growing_stack&) = delete;
+  growing_stack& operator=(const growing_stack&) = delete;
+
+  bool empty() const noexcept { return size_ == 0; }
+  bool push(const Item& item) noexcept {
+    if (size_ == room_) {
+      const std::size_t room = room_ == 0 ? 256 : 2 * room_;
+      void* const more = std::realloc(items_, room * sizeof(Item));
+      if (more == nullptr) return false;
+      items_ = static_cast<Item*>(more);
+      room_ = room;
+    }
+    items_[size_++] = item;
+    return true;
+  }
+  Item pop() noexcept { return items_[--size_]; }
+  void clear() noexcept {
+    std::free(items_);
+    items_ = nullptr;
+    size_ = room_ = 0;
+  }
+
+ private:
+  Item* items_ = nullptr;
+  std::size_t size_ = 0;
+  std::size_t room_ = 0;
+};
+
+template <class Env>
+class purge;
+template <class Env>
+class trial_deletion;
+template <class Env>
+class edge_sink;
+
+/// What a walk can do with an object, or with a root, of some type that describes its edges. False if edges() threw.
+template <class Env>
+struct described_operations {
+  bool (*purge_by_collector)(void* described, purge<Env>& with);
+  /// By the thread that owns a root.
+  bool (*purge_by_owner)(void* described);
+  bool (*report)(void* described, edge_sink<Env>& to);
+  /// Makes suspects of what it refers to.
+  bool (*suspect)(void* described, trial_deletion<Env>& trial);
+  /// Records its references to candidates.
+  bool (*record)(void* described, trial_deletion<Env>& trial);
+};
+
+/// What an edge refers to.
+template <class Env>
+struct edge_target {
+  void* object;
+  const char* type;
+  std::uint64_t word;
+  const described_operations<Env>*
+      described;  // null: its type describes no edges, or does not defer
+};
+
+/// Takes the described references of an object or a root, for reports.
+template <class Env>
+class edge_sink {
+ public:
+  virtual void edge(const char* name, const char* disposition, const edge_target<Env>& target) = 0;
+
+ protected:
+  ~edge_sink() = default;
+};
+
+/// The objects that a walk has met and has still to visit.
+template <class Env>
+class heap_walk {
+ public:
+  using operations = described_operations<Env>;
+  struct item {
+    void* object;
+    const operations* type;
+  };
+
+  bool reserve(std::size_t objects) noexcept { return met_.reserve(objects); }
+  /// An object was met. It is visited unless it was met before.
+  void meet(void* object, const operations& type) noexcept {
+    bool added = false;
+    if (met_.add({object}, added) == nullptr || (added && !pending_.push({object, &type})))
+      out_of_memory_ = true;
+  }
+  /// Is never visited.
+  void exclude(void* object) noexcept {
+    bool ignored;
+    if (met_.add({object}, ignored) == nullptr) out_of_memory_ = true;
+  }
+  void fail() noexcept { out_of_memory_ = true; }
+  bool at_end() const noexcept { return pending_.empty(); }
+  item next() noexcept { return pending_.pop(); }
+  std::size_t met() const noexcept { return met_.size(); }
+  bool out_of_memory() const noexcept { return out_of_memory_; }
+  void clear() noexcept {
+    met_.clear();
+    pending_.clear();
+    out_of_memory_ = false;
+  }
+
+ private:
+  struct entry {
+    const void* key;
+  };
+  address_table<entry> met_;
+  growing_stack<item> pending_;
+  bool out_of_memory_ = false;
+};
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc
+// ---- slamgc/detail/root_list.hpp ----
+/// @file
+/// The roots of a domain, and how a collector visits them while others come and go.
+///
+/// **States** of a place in the list: *free*; *rooted*, from the root's constructor to its destructor; *held*, while a
+/// collector is in its edges(). The collector goes from rooted to held and back; the root's destructor from rooted to
+/// free, for which it waits while it is held. Places are used again and freed with the domain's state. A root that belongs
+/// to a mutator is not visited by the collector.
 
 #include <chrono>
 
-// ---- slamgc/detail/collection.hpp ----
-/// @file
-/// A domain's collection: one at a time, in as many calls as it takes.
-///
-/// **States.** *noting*: what has entered the tables is noted, table by table. *waiting*: the epoch was
-/// advanced; the grace period is open. *deciding*: it is over; the noted objects are destroyed, or leave, or
-/// enter anew. A call goes on where the last one ended, whichever thread made it. What enters meanwhile
-/// belongs to the next round.
-
-// ---- slamgc/budget.hpp ----
-/// @file
-/// What a call that collects may do, and what it did.
-
-namespace slamgc {
-
-/// How much one call of collect() may do. It stops at whichever it reaches first, after the object it is
-/// at: one destructor is the smallest unit of time.
-struct budget {
-  /// Objects to handle. One that is reclaimed is handled twice: noted, and after the grace period destroyed.
-  std::size_t objects = static_cast<std::size_t>(-1);
-  std::chrono::nanoseconds time = std::chrono::nanoseconds::max();  ///< Time.
-};
-
-/// What a call of collect() did.
-struct collected {
-  /// How it ended.
-  enum class outcome {
-    done,     ///< Nothing is left that could be reclaimed now.
-    waiting,  ///< The rest waits until each mutator has passed a quiescent state.
-    partial,  ///< The budget is used up.
-    busy,     ///< Another thread is collecting, or this one further up the stack; nothing was done.
-    refused,  ///< The thread declared that it never reclaims; nothing was done.
-  };
-  outcome result = outcome::done;  ///< How it ended.
-  std::size_t reclaimed = 0;       ///< Objects destroyed.
-};
-
-/// Why drain() or synchronize() ended.
-enum class waited {
-  done,       ///< What was waited for has happened.
-  timed_out,  ///< A mutator did not pass a quiescent state in time.
-  /// The calling thread is an online mutator of the domain, or collects, and would wait for itself; or it is online and never
-  /// reclaims. (Two threads, each an online mutator of the domain that the other one waits for, wait for ever: go offline
-  /// in all domains first.)
-  refused,
-};
-
-}  // namespace slamgc
-// ---- slamgc/diagnosis/hooks.hpp ----
-/// @file
-/// What a domain tells a profiler.
-
-// ---- slamgc/stats.hpp ----
-/// @file
-/// What a domain can say about itself, as plain numbers.
-
-#include <vector>
-
-namespace slamgc {
-
-/// Numbers of the objects of one type in one domain.
-struct type_stats {
-  const char* type = "";        ///< The type, as the compiler spells it.
-  std::size_t object_size = 0;  ///< Bytes of one object, without what it allocates itself.
-  std::uint64_t created = 0;    ///< Objects made so far.
-  std::uint64_t live = 0;       ///< Objects that exist now.
-  std::uint64_t retired = 0;    ///< Objects declared dead so far; see retire().
-  std::uint64_t reclaimed = 0;  ///< Objects destroyed by collectors so far.
-  std::uint64_t stuck = 0;      ///< Retired objects with described edges that others refer to now.
-  std::uint64_t backlog = 0;    ///< Objects that wait for a collector now.
-
-  /// Bytes of the objects that exist now, without what they allocate themselves.
-  [[nodiscard]] std::uint64_t live_bytes() const noexcept { return live * object_size; }
-  /// Bytes of the objects destroyed by collectors so far, without what they had allocated themselves.
-  [[nodiscard]] std::uint64_t reclaimed_bytes() const noexcept { return reclaimed * object_size; }
-};
-
-/// Numbers of one registered thread.
-struct mutator_stats {
-  const char* name = "";  ///< The name it registered with.
-  bool online = false;    ///< Whether it may hold borrowed pointers.
-  bool delays = false;    ///< Whether the open grace period waits for it.
-};
-
-/// Whom reclamation waits for.
-struct delay {
-  const char* oldest = nullptr;  ///< Who holds the open grace period up, the longest; null: nobody.
-  std::chrono::nanoseconds age{0};  ///< For how long it has held it up.
-  std::uint64_t backlog = 0;        ///< Objects that wait.
-};
-
-/// Numbers of one domain.
-struct domain_stats {
-  std::vector<type_stats> types;                ///< One for each type of which an object was made.
-  std::vector<mutator_stats> mutators;          ///< One for each registered thread.
-  delay delayed;                                ///< Whom reclamation waits for.
-  std::uint64_t grace_periods = 0;              ///< Grace periods begun so far, by collecting.
-  std::chrono::nanoseconds longest_collect{0};  ///< Longest call of collect() so far.
-  std::uint64_t refused_collects = 0;  ///< Calls on threads that declared never to reclaim.
-
-  /// The sum of one number over all types.
-  [[nodiscard]] std::uint64_t total(std::uint64_t type_stats::*number) const noexcept {
-    std::uint64_t sum = 0;
-    for (const type_stats& t : types) sum += t.*number;
-    return sum;
-  }
-  /// Bytes of the objects of all types that exist now, without what they allocate themselves.
-  [[nodiscard]] std::uint64_t live_bytes() const noexcept {
-    std::uint64_t sum = 0;
-    for (const type_stats& t : types) sum += t.live_bytes();
-    return sum;
-  }
-};
-
-}  // namespace slamgc
-
-namespace slamgc {
-
-/// One call of collect() that was not refused: a slice of a domain's collection.
-struct slice_stats {
-  using time_point = std::chrono::steady_clock::time_point;  ///< When something was.
-
-  collected did;                     ///< What the call returns.
-  time_point begin;                  ///< When it began.
-  std::chrono::nanoseconds took{0};  ///< How long it took.
-  std::uint64_t grace_periods = 0;   ///< Grace periods that began in it.
-  delay delayed;                     ///< Whom the domain waits for at its end.
-};
-
-/// What a domain calls while it collects: derive from this, override what is wanted, and install() it.
-///
-/// All functions are called in collect(), on the thread that collects, one at a time for one domain. They must not throw, and
-/// must not collect, count or retire. They may read stats() of the domain.
-///
-/// Without hooks a call of collect() has one branch more. With hooks it sums up the numbers of all types, twice
-/// at most: O(types + mutators), as stats().
-class collector_hooks {
- public:
-  using time_point = slice_stats::time_point;  ///< When something was.
-
-  virtual ~collector_hooks() = default;
-
-  /// A slice begins.
-  virtual void slice_begins(time_point) noexcept {}
-  /// The grace period with this number, which was open when the slice began, is over. Told before the slice ends; that it is
-  /// over was found at @p when.
-  virtual void grace_period_closed(std::uint64_t /*number*/, time_point /*when*/) noexcept {}
-  /// The slice ends while the grace period with this number is open, since @p when. (Those that begin and end within one slice are
-  /// in its numbers only.)
-  virtual void grace_period_opened(std::uint64_t /*number*/, time_point /*when*/) noexcept {}
-  /// The numbers of one type at the end of the slice, if they are others than at the end of the last one; @p reclaimed objects of
-  /// the type were destroyed since then. The type's name stays valid, at its address.
-  virtual void objects(const type_stats& /*now*/, std::uint64_t /*reclaimed*/) noexcept {}
-  /// The slice ends.
-  virtual void slice_ended(const slice_stats&) noexcept {}
-};
-
-}  // namespace slamgc
 // ---- slamgc/detail/clock.hpp ----
 /// @file
 /// Time, apart from env.hpp because `<chrono>` and `<thread>` are large.
@@ -1399,6 +1822,8 @@ inline constexpr std::size_t cache_line = 64;
 
 template <class Env>
 struct table_door;
+template <class Env>
+struct root_place;
 
 /// A registered thread, as collectors see it. Records are used again and freed with the domain's state
 /// only, so a collector reads them without a lock.
@@ -1425,6 +1850,8 @@ struct participant {
   std::uint64_t number = 0;            // no other part of the thread ever has it
   std::uint64_t passed = 0;            // which of the thread's quiescent states was its last
   table_door<Env>* pending = nullptr;  // its doors with a chain to publish
+  root_place<Env>* roots = nullptr;    // that it owns
+  std::uint64_t purged = 0;            // the last purge that it has joined
 
   /// Whether it keeps what enters a table in a chain of its own, which it publishes later.
   bool keeps_chains() const noexcept { return door != 0 && may_borrow(); }
@@ -1435,6 +1862,8 @@ struct participant {
   /// What was borrowed before is not valid any more; for the checks of borrow.hpp.
   void pass_quiescent_state() noexcept;
 
+  /// Drops the stale edges of the roots that it owns, if a purge has begun since the last time.
+  void join_purge() noexcept;
   /// Makes what entered tables visible to the collector.
   void publish() noexcept {
     for (; pending != nullptr; pending = pending->next_pending) pending->publish();
@@ -1501,9 +1930,202 @@ class participation {
 
 }  // namespace SLAMGC_SHARED
 }  // namespace slamgc
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+template <class Env>
+struct root_place {
+  enum : std::uint32_t { free, rooted, held };
+  typename Env::template atomic<std::uint32_t> state{free};
+  const char* name = nullptr;
+  void* described = nullptr;
+  const described_operations<Env>* operations = nullptr;
+  enum : std::uint32_t { no, wanted, begun };
+  typename Env::template atomic<std::uint32_t> suspicion{no};  // collect_cycles()
+  bool owned = false;                                          // by a mutator
+  participant<Env>* owner = nullptr;                           // that mutator, while it exists
+  root_place* next = nullptr;
+  root_place* next_of_owner = nullptr;
+
+  bool is_suspected() const noexcept {
+    return suspicion.load(std::memory_order_relaxed) != no;  // (31) what matters is under `held`.
+  }
+  /// By the collector: whether it is wanted.
+  bool begin_suspicion() noexcept {
+    if (!is_suspected()) return false;
+    suspicion.store(begun, std::memory_order_relaxed);  // (31)
+    return true;
+  }
+  /// Unless it was wanted again meanwhile.
+  void end_suspicion() noexcept {
+    std::uint32_t expected = begun;
+    suspicion.compare_exchange_strong(expected, no, std::memory_order_relaxed,  // (31)
+                                      std::memory_order_relaxed);               // (31)
+  }
+  void join(participant<Env>& of) noexcept {
+    owner = &of;
+    next_of_owner = of.roots;
+    of.roots = this;
+  }
+  void leave() noexcept {
+    if (owner == nullptr) return;
+    root_place** at = &owner->roots;
+    while (*at != this) at = &(*at)->next_of_owner;
+    *at = next_of_owner;
+    owner = nullptr;
+  }
+};
+
+template <class Env>
+class root_list {
+ public:
+  using place = root_place<Env>;
+
+  root_list() noexcept = default;
+  ~root_list() {
+    place* p = first_.load(std::memory_order_relaxed);  // (31) alone here.
+    while (p != nullptr) {
+      place* const next = p->next;
+      delete p;
+      p = next;
+    }
+  }
+  root_list(const root_list&) = delete;
+  root_list& operator=(const root_list&) = delete;
+
+  /// A place that is not free, and not rooted yet. Throws std::bad_alloc.
+  place& take() {
+    for (place* p = first_.load(std::memory_order_acquire); p != nullptr; p = p->next) {  // (31)
+      std::uint32_t state = place::free;
+      // (31) acquire: its last user has finished with it.
+      if (p->state.compare_exchange_strong(state, place::held, std::memory_order_acquire,
+                                           std::memory_order_relaxed))  // (31)
+        return *p;
+    }
+    place* const made = new place;
+    made->state.store(place::held, std::memory_order_relaxed);  // (31) nobody else knows it.
+    place* first = first_.load(std::memory_order_relaxed);      // (31) a guess.
+    do {
+      made->next = first;
+    } while (!first_.compare_exchange_weak(
+        first, made, std::memory_order_release,  // (31) publishes the place to who walks the list.
+        std::memory_order_relaxed));             // (31) a guess.
+    return *made;
+  }
+  static void put(place& p) noexcept {
+    p.state.store(place::rooted, std::memory_order_release);  // (31) its content, to visit().
+  }
+  /// Waits while a collector is in its edges().
+  static void remove(place& p) noexcept {
+    p.suspicion.store(place::no, std::memory_order_relaxed);  // (31)
+    std::uint32_t state = place::rooted;
+    // (31) acquire: what the collector did in there is over; release: to take().
+    while (!p.state.compare_exchange_weak(state, place::free, std::memory_order_acq_rel,
+                                          std::memory_order_relaxed)) {  // (31)
+      state = place::rooted;
+      clock_of<Env>::pause(std::chrono::nanoseconds(0));
+    }
+  }
+  void want_suspicion(place& p) noexcept {
+    p.suspicion.store(place::wanted, std::memory_order_relaxed);  // (31)
+    suspicions_.fetch_add(1, std::memory_order_relaxed);          // (31) a collector looks later.
+  }
+  /// Whether one was wanted since the last time.
+  bool any_suspected() noexcept {
+    const std::uint64_t now = suspicions_.load(std::memory_order_relaxed);  // (31)
+    return now != std::exchange(suspicions_seen_, now);
+  }
+  /// Calls f(place) for each root; for those of mutators, too, if @p all. By a collector. A root that ends meanwhile is
+  /// left out.
+  template <class F>
+  void visit(F f, bool all = false) {
+    for (place* p = first_.load(std::memory_order_acquire); p != nullptr; p = p->next) {  // (31)
+      std::uint32_t state = place::rooted;
+      // (31) acquire: sees its content.
+      if (!p->state.compare_exchange_strong(state, place::held, std::memory_order_acquire,
+                                            std::memory_order_relaxed))  // (31)
+        continue;
+      if (all || !p->owned) f(*p);
+      p->state.store(place::rooted, std::memory_order_release);  // (31) to remove() and take().
+    }
+  }
+
+ private:
+  typename Env::template atomic<place*> first_{nullptr};
+  typename Env::template atomic<std::uint64_t> suspicions_{0};
+  std::uint64_t suspicions_seen_ = 0;  // the collector's
+};
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc
 // ---- slamgc/detail/table_base.hpp ----
 /// @file
 /// What all zero-count tables have in common, whatever the type of their objects.
+
+// ---- slamgc/stats.hpp ----
+/// @file
+/// What a domain can say about itself, as plain numbers.
+
+#include <vector>
+
+namespace slamgc {
+
+/// Numbers of the objects of one type in one domain.
+struct type_stats {
+  const char* type = "";        ///< The type, as the compiler spells it.
+  std::size_t object_size = 0;  ///< Bytes of one object, without what it allocates itself.
+  std::uint64_t created = 0;    ///< Objects made so far.
+  std::uint64_t live = 0;       ///< Objects that exist now.
+  std::uint64_t retired = 0;    ///< Objects declared dead so far; see retire().
+  std::uint64_t reclaimed = 0;  ///< Objects destroyed by collectors so far.
+  std::uint64_t stuck = 0;      ///< Retired objects with described edges that others refer to now.
+  std::uint64_t backlog = 0;    ///< Objects that wait for a collector now.
+
+  /// Bytes of the objects that exist now, without what they allocate themselves.
+  [[nodiscard]] std::uint64_t live_bytes() const noexcept { return live * object_size; }
+  /// Bytes of the objects destroyed by collectors so far, without what they had allocated themselves.
+  [[nodiscard]] std::uint64_t reclaimed_bytes() const noexcept { return reclaimed * object_size; }
+};
+
+/// Numbers of one registered thread.
+struct mutator_stats {
+  const char* name = "";  ///< The name it registered with.
+  bool online = false;    ///< Whether it may hold borrowed pointers.
+  bool delays = false;    ///< Whether the open grace period waits for it.
+};
+
+/// Whom reclamation waits for.
+struct delay {
+  const char* oldest = nullptr;  ///< Who holds the open grace period up, the longest; null: nobody.
+  std::chrono::nanoseconds age{0};  ///< For how long it has held it up.
+  std::uint64_t backlog = 0;        ///< Objects that wait.
+};
+
+/// Numbers of one domain.
+struct domain_stats {
+  std::vector<type_stats> types;                ///< One for each type of which an object was made.
+  std::vector<mutator_stats> mutators;          ///< One for each registered thread.
+  delay delayed;                                ///< Whom reclamation waits for.
+  std::uint64_t grace_periods = 0;              ///< Grace periods begun so far, by collecting.
+  std::chrono::nanoseconds longest_collect{0};  ///< Longest call of collect() so far.
+  std::uint64_t refused_collects = 0;  ///< Calls on threads that declared never to reclaim.
+
+  /// The sum of one number over all types.
+  [[nodiscard]] std::uint64_t total(std::uint64_t type_stats::*number) const noexcept {
+    std::uint64_t sum = 0;
+    for (const type_stats& t : types) sum += t.*number;
+    return sum;
+  }
+  /// Bytes of the objects of all types that exist now, without what they allocate themselves.
+  [[nodiscard]] std::uint64_t live_bytes() const noexcept {
+    std::uint64_t sum = 0;
+    for (const type_stats& t : types) sum += t.live_bytes();
+    return sum;
+  }
+};
+
+}  // namespace slamgc
 
 namespace slamgc {
 namespace runtime SLAMGC_SHARED {
@@ -1607,6 +2229,8 @@ struct alignas(cache_line) table_door {
 
 template <class Env>
 class trial_deletion;
+template <class Env>
+class side_block;
 
 /// The part of a domain's zero-count table for objects of one type; see zero_count_table.hpp.
 template <class Env>
@@ -1618,8 +2242,9 @@ class table_base {
   static constexpr std::size_t first_of_mutators = 2;
   static constexpr std::size_t doors = first_of_mutators + Env::mutator_doors;
 
-  table_base(domain_state<Env>& d, const void* t, const char* name, std::size_t size) noexcept
-      : domain(d), type(t), type_name(name), object_size(size) {}
+  table_base(domain_state<Env>& d, const void* t, const char* name, std::size_t size,
+             bool blocks) noexcept
+      : domain(d), type(t), type_name(name), object_size(size), has_blocks(blocks) {}
   virtual ~table_base() = default;
   table_base(const table_base&) = delete;
   table_base& operator=(const table_base&) = delete;
@@ -1633,15 +2258,26 @@ class table_base {
   // For trial deletion (trial_deletion.hpp), by the collector, of a candidate:
 
   virtual std::uint64_t word_of(const void* object) const noexcept = 0;
-  /// Records each reference to a candidate.
-  virtual void walk(void* object, trial_deletion<Env>& trial) noexcept = 0;
-  virtual void sever(void* object) noexcept = 0;
+  /// Records each reference to a candidate. False if edges() threw.
+  virtual bool walk(void* object, trial_deletion<Env>& trial) noexcept = 0;
+  /// Drops all references. False if edges() threw.
+  virtual bool sever(void* object) noexcept = 0;
+  /// The block of an object to which there may be weak handles, or null.
+  virtual side_block<Env>* block_of(void* object) const noexcept = 0;
+  /// Whether the word has the references that were noted: by a read-modify-write, which a lock() that it does not see
+  /// does see (decision.hpp).
+  virtual bool seal(void* object, std::uint64_t noted) noexcept = 0;
   virtual void destroy(void* object) noexcept = 0;
+  /// It was a suspect: is retired, and stays.
+  virtual void condemn(void* object) noexcept = 0;
+  /// It was a suspect: is none any more.
+  virtual void leave(void* object) noexcept = 0;
 
   domain_state<Env>& domain;
   const void* const type;
   const char* const type_name;
   const std::size_t object_size;
+  const bool has_blocks;  // whether there may be weak handles to objects of the type
   table_base* next = nullptr;
 
   /// The calling thread's door, and its part in this domain if it has one.
@@ -1726,7 +2362,8 @@ class table_base {
 /// 3. *excludes* each candidate that has others, and what is recorded to be reached from it;
 /// 4. after a grace period that began after 2, *checks* the words of all that are left: one that has changed is
 ///    excluded, as in 3;
-/// 5. *severs* what is left, and destroys it.
+/// 5. if there are weak handles to what is left: decides (decision.hpp), and waits for another grace period;
+/// 6. *severs* what is left, and destroys it.
 ///
 /// **What is left is out of everybody's sight**: docs/design.md, "Cycles". There, too, is why 3 and 4 must not walk the
 /// edges a second time.
@@ -1736,6 +2373,10 @@ class table_base {
 ///
 /// Trial deletion: Christopher 1984; Bacon and Rajan 2001; *The Garbage Collection Handbook*, 5.5. The use of versions in
 /// place of a second, synchronous walk is ours.
+
+// ---- slamgc/detail/candidate.hpp ----
+/// @file
+/// What a round of trial deletion knows: candidates, and the references between them.
 
 namespace slamgc {
 namespace runtime SLAMGC_SHARED {
@@ -1747,7 +2388,7 @@ struct candidate;
 template <class Env>
 class edge_list {
   struct block {
-    static constexpr std::size_t size = 1023;
+    static constexpr std::uint32_t size = 1023;
     block* next = nullptr;
     candidate<Env>* targets[size];
   };
@@ -1767,7 +2408,7 @@ class edge_list {
    private:
     friend class edge_list;
     block* block_;
-    std::size_t index_;
+    std::uint32_t index_;
   };
 
   edge_list() noexcept { clear(); }
@@ -1807,20 +2448,23 @@ class edge_list {
   place end_;
 };
 
-/// A retired object that is still referred to. Its link names this, with a mark in the lowest bit, which no
+/// A retired object that is still referred to, or a suspect. Its link names this, with a mark in the lowest bit, which no
 /// other value of a link has.
 template <class Env>
 struct candidate {
-  void* object;
+  void* object;  // null: unused
   table_base<Env>* table;
   std::uint64_t noted;
-  std::uint32_t inner;  // references from candidates
-  bool fresh;           // not in a round yet
-  bool live;            // excluded
-  candidate* next;
-  candidate* next_marked;
-  typename edge_list<Env>::place first_edge;
-  std::size_t edges;
+  typename edge_list<Env>::place first_edge;  // of those recorded
+  candidate* next_marked;                     // also: the next unused one
+  std::uint32_t edges;                        // how many
+  std::uint32_t inner;                        // references from candidates
+  std::uint32_t held;                         // references that the last purge saw and left
+  std::uint32_t purged_version;               // when that began
+  bool fresh;                                 // not in a round yet
+  bool live;                                  // excluded
+  bool suspect;                               // not retired: it is in this round only
+  bool purged;                                // a purge has looked for its stale edges
 
   static void* link_to(candidate* c) noexcept {
     return static_cast<char*>(static_cast<void*>(c)) + 1;
@@ -1831,6 +2475,270 @@ struct candidate {
   }
 };
 
+/// All candidates, in blocks: each phase goes through them in the order of memory. Blocks without candidates are freed.
+template <class Env>
+class candidate_list {
+  struct block {
+    static constexpr std::size_t size = 255;
+    block* next = nullptr;
+    candidate<Env>* unused = nullptr;
+    std::size_t used = 0;
+    candidate<Env> candidates[size];
+  };
+
+ public:
+  /// Goes through the candidates.
+  class cursor {
+   public:
+    /// The next one, or null.
+    candidate<Env>* next() noexcept {
+      for (; block_ != nullptr; block_ = block_->next, index_ = 0) {
+        while (index_ != block::size) {
+          candidate<Env>& c = block_->candidates[index_++];
+          if (index_ + ahead < block::size)
+            __builtin_prefetch(block_->candidates[index_ + ahead].object);
+          if (c.object != nullptr) return &c;
+        }
+      }
+      return nullptr;
+    }
+
+   private:
+    friend class candidate_list;
+    /// Objects lie anywhere: their words arrive while others are worked on.
+    static constexpr std::size_t ahead = 8;
+    block* block_ = nullptr;
+    std::size_t index_ = 0;
+  };
+
+  candidate_list() noexcept = default;
+  ~candidate_list() {
+    while (first_ != nullptr) delete std::exchange(first_, first_->next);
+  }
+  candidate_list(const candidate_list&) = delete;
+  candidate_list& operator=(const candidate_list&) = delete;
+
+  cursor begin() const noexcept {
+    cursor c;
+    c.block_ = first_;
+    return c;
+  }
+  /// An unused one, or null if there is no memory.
+  candidate<Env>* add() noexcept {
+    while (room_ != nullptr && room_->unused == nullptr) room_ = room_->next;
+    if (room_ == nullptr && !grow()) return nullptr;
+    candidate<Env>* const c = room_->unused;
+    room_->unused = c->next_marked;
+    ++room_->used;
+    return c;
+  }
+  /// Removes the one that @p at came to last.
+  void remove(cursor& at) noexcept {
+    candidate<Env>& c = at.block_->candidates[at.index_ - 1];
+    c.object = nullptr;
+    c.next_marked = at.block_->unused;
+    at.block_->unused = &c;
+    --at.block_->used;
+  }
+  /// Frees what remove() has left empty, but one block.
+  void trim() noexcept {
+    bool keep = true;
+    for (block** at = &first_; *at != nullptr;) {
+      if ((*at)->used == 0 && !std::exchange(keep, false))
+        delete std::exchange(*at, (*at)->next);
+      else
+        at = &(*at)->next;
+    }
+    room_ = first_;
+  }
+
+ private:
+  bool grow() noexcept {
+    block* const more = new (std::nothrow) block;
+    if (more == nullptr) return false;
+    for (std::size_t i = block::size; i-- != 0;) {
+      more->candidates[i].object = nullptr;
+      more->candidates[i].next_marked = more->unused;
+      more->unused = &more->candidates[i];
+    }
+    more->next = first_;
+    first_ = room_ = more;
+    return true;
+  }
+
+  block* first_ = nullptr;
+  block* room_ = nullptr;  // before it no block has room, or all blocks are full
+};
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc
+// ---- slamgc/detail/decision.hpp ----
+/// @file
+/// How a collector decides that objects die while weak handles lead to them: one decision for a whole set.
+///
+/// **States.** A side block is *alive*, *in decision n*, or *dead*; dead is for ever. A domain has one *decision word*:
+/// a number, and whether that decision is open, vetoed, or dead. The collector
+/// 1. opens decision n;
+/// 2. for each object of the set that has a block: *marks* the block with n, *seals* the object's word (a
+///    read-modify-write that changes nothing and finds it as it was noted), and makes the record;
+/// 3. *commits*: open becomes dead, by compare-and-swap. If a word had changed, or somebody vetoed, the marks are taken
+///    back and nothing has happened;
+/// 4. makes the blocks dead, one by one;
+/// 5. destroys the objects after another grace period.
+///
+/// Who *locks* a handle finds the block not dead, adds a reference, and looks at the block again: alive is success; in an
+/// open decision, a *veto* is; a dead decision is failure, and the reference is removed again. Nobody ever waits.
+///
+/// The argument: docs/design.md, "Weak handles and anchors".
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+/// The decision word of a domain.
+template <class Env>
+class decision {
+ public:
+  enum class outcome { survives, dies, unknown };
+  static constexpr std::uint64_t step = 4;  // numbers are multiples of it, from the first one on
+
+  // The collector's:
+
+  void open() noexcept {
+    number_ += step;
+    // (27) release: who finds this decision finds the marks of those before it taken back.
+    word_.store(number_ | is_open, std::memory_order_release);
+  }
+  std::uint64_t number() const noexcept { return number_; }
+  /// False if somebody vetoed.
+  bool commit() noexcept {
+    std::uint64_t expected = number_ | is_open;
+    // (27) release: the records are made; relaxed: a veto tells nothing else.
+    return word_.compare_exchange_strong(expected, number_ | is_dead, std::memory_order_release,
+                                         std::memory_order_relaxed);  // (27)
+  }
+
+  // Of who has added a reference, and found the object in decision n:
+
+  /// What that decision says; unknown if it is over.
+  outcome veto(std::uint64_t n) noexcept {
+    std::uint64_t found = n | is_open;
+    // (27) acquire: who comes too late sees the records, or the marks taken back. (A veto needs no order; g++ wants that of
+    // success to be no weaker.)
+    if (word_.compare_exchange_strong(found, n | is_vetoed, std::memory_order_acquire,
+                                      std::memory_order_acquire))  // (27)
+      return outcome::survives;
+    if (found == (n | is_vetoed)) return outcome::survives;
+    return found == (n | is_dead) ? outcome::dies : outcome::unknown;
+  }
+
+ private:
+  static constexpr std::uint64_t is_open = 0;
+  static constexpr std::uint64_t is_vetoed = 1;
+  static constexpr std::uint64_t is_dead = 2;
+
+  typename Env::template atomic<std::uint64_t> word_{0};
+  std::uint64_t number_ = 0;
+};
+
+/// What is left of an object for its weak handles, as collectors see it.
+template <class Env>
+class side_block {
+ public:
+  explicit side_block(const void* owner) noexcept : owner_(owner) {}
+  virtual ~side_block() = default;
+  side_block(const side_block&) = delete;
+  side_block& operator=(const side_block&) = delete;
+
+  /// The object, for as long as the caller may touch it.
+  const void* owner() const noexcept { return owner_; }
+  bool is_dead() const noexcept {
+    // (28) acquire: sees the record.
+    return state_.load(std::memory_order_acquire) == dead;
+  }
+  /// Of who has added a reference to the object, after it had found the block not dead: whether that counts.
+  bool survives() const noexcept {
+    for (;;) {
+      // (28) acquire: sees whose decision it is in, and the record.
+      const std::uint64_t now = state_.load(std::memory_order_acquire);
+      if (now == alive) return true;
+      if (now == dead) return false;
+      // (28) the mark published it.
+      switch (judge_.load(std::memory_order_relaxed)->veto(now)) {
+        case decision<Env>::outcome::survives:
+          return true;
+        case decision<Env>::outcome::dies:
+          return false;
+        case decision<Env>::outcome::unknown:  // the block says how it ended
+          break;
+      }
+    }
+  }
+
+  // The collector's:
+
+  void mark(decision<Env>& by) noexcept {
+    judge_.store(&by, std::memory_order_relaxed);  // (28) published by the mark.
+    // (28) release: publishes the judge, and that the decision is open.
+    state_.store(by.number(), std::memory_order_release);
+  }
+  void unmark() noexcept {
+    state_.store(alive, std::memory_order_relaxed);  // (28) nothing is read through it.
+  }
+  bool is_marked() const noexcept {
+    const std::uint64_t now = state_.load(std::memory_order_relaxed);  // (28) its own mark.
+    return now != alive && now != dead;
+  }
+  /// For ever. A grace period later nobody but the collector touches the object.
+  void expire() noexcept {
+    state_.store(dead, std::memory_order_release);  // (28) publishes the record.
+  }
+  /// Makes the record of an object that is about to die.
+  virtual void bury() noexcept {}
+
+  /// A reference came and went while the collector looked at the object, which may have been a lock(). Who is patient for
+  /// ever lets a handle that is polled keep its object for ever.
+  void disturbed() noexcept {
+    if (is_dead() || ++disturbed_ != patience) return;
+    bury();
+    expire();
+  }
+  /// The object was found referred to.
+  void undisturbed() noexcept { disturbed_ = 0; }
+
+  static constexpr unsigned patience = 4;
+
+ private:
+  static constexpr std::uint64_t alive = 0;
+  static constexpr std::uint64_t dead = 1;
+
+  const void* const owner_;
+  typename Env::template atomic<decision<Env>*> judge_{nullptr};
+  typename Env::template atomic<std::uint64_t> state_{alive};
+  unsigned disturbed_ = 0;
+};
+
+/// Decides on one object, whose word @p sealed looks at.
+template <class Env, class Sealed>
+void decide_alone(decision<Env>& by, side_block<Env>& block, Sealed sealed) noexcept {
+  by.open();
+  block.mark(by);
+  bool dies = sealed();
+  if (dies) {
+    block.bury();
+    dies = by.commit();
+  }
+  if (dies)
+    block.expire();
+  else
+    block.unmark();
+}
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
 template <class Env>
 class trial_deletion {
  public:
@@ -1838,38 +2746,34 @@ class trial_deletion {
   using limit_type = work_limit<Env>;
 
   trial_deletion() noexcept = default;
-  ~trial_deletion() {
-    while (blocks_ != nullptr) {
-      block* const next = blocks_->next;
-      delete blocks_;
-      blocks_ = next;
-    }
-  }
   trial_deletion(const trial_deletion&) = delete;
   trial_deletion& operator=(const trial_deletion&) = delete;
 
-  /// The new candidate, or null if there is no memory.
-  candidate_type* add(void* object, table_base<Env>& table) noexcept {
-    if (free_ == nullptr && !grow()) return nullptr;
-    candidate_type* const c = free_;
-    free_ = c->next;
-    *c = {object, &table, 0, 0, true, true, first_, nullptr, edges_.end(), 0};
-    first_ = c;
+  /// The new candidate, with its word now, or null if there is no memory.
+  candidate_type* add(void* object, table_base<Env>& table, std::uint64_t word) noexcept {
+    candidate_type* const c = all_.add();
+    if (c == nullptr) return nullptr;
+    *c = {object, &table, word, edges_.end(), nullptr, 0, 0, 0, 0, true, true, suspecting_, false};
+    any_blocks_ = any_blocks_ || table.has_blocks;
     return c;
   }
   /// Steps 1 to 3, before the grace period. False if the limit came first.
   bool find(limit_type& limit) noexcept {
+    if (phase_ == phase::expired) start(phase::severing);  // after the grace period that follows
     if (phase_ == phase::idle) {
       changed_ = false;
+      left_ = 0;
       start(phase::beginning);
     }
     if (phase_ == phase::beginning) {
       while (candidate_type* const c = next()) {
-        const std::uint64_t now = c->table->word_of(c->object);
-        changed_ = changed_ || !same_references(now, c->noted);  // a new one was noted as 0
+        // A new one was noted when it was added: a while ago is as good.
+        const std::uint64_t now = c->fresh ? c->noted : c->table->word_of(c->object);
+        changed_ = changed_ || c->fresh || !same_references(now, c->noted);
         c->noted = now;
         c->inner = 0;
         c->fresh = c->live = false;
+        ++left_;
         if (!limit.spend()) return false;
       }
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
@@ -1883,9 +2787,15 @@ class trial_deletion {
         walked_ = c;
         c->first_edge = edges_.end();
         c->edges = 0;
-        if (!c->fresh) c->table->walk(c->object, *this);
+        if (!c->fresh && !c->table->walk(c->object, *this)) mark(*c);
         if (out_of_memory_) return give_up();
         if (!limit.spend()) return false;
+      }
+      if (suspecting_) {
+        walked_ = nullptr;
+        roots_->visit([this](const root_place<Env>& root) {
+          if (root.is_suspected()) root.operations->record(root.described, *this);
+        });
       }
       start(phase::excluding);
     }
@@ -1893,7 +2803,7 @@ class trial_deletion {
       while (exclude_marked(limit)) {
         candidate_type* const c = next();
         if (c == nullptr) {
-          start(any_left() ? phase::checking : phase::idle);
+          start(left_ != 0 ? phase::checking : suspecting_ ? phase::resolving : phase::idle);
           return true;
         }
         if (c->inner != state_word{c->noted}.count()) mark(*c);
@@ -1907,7 +2817,9 @@ class trial_deletion {
   /// Whether find() has to be called again after a grace period.
   bool unsettled() const noexcept { return unsettled_; }
 
-  /// Steps 4 and 5, after the grace period. False if the limit came first.
+  runtime::decision<Env>& decision() noexcept { return decision_; }
+
+  /// Steps 4 to 6, after the grace period. False if the limit came first.
   bool decide(limit_type& limit, std::size_t& reclaimed) noexcept {
     if (phase_ == phase::checking) {
       for (;;) {
@@ -1915,38 +2827,58 @@ class trial_deletion {
         candidate_type* const c = next();
         if (c == nullptr) break;
         if (c->live) continue;
-        if (!same_references(c->table->word_of(c->object), c->noted)) mark(*c);
+        if (!same_references(c->table->word_of(c->object), c->noted)) {
+          disturbed(*c);
+          mark(*c);
+        }
         if (!limit.spend()) return false;
       }
-      start(phase::severing);
+      if (any_blocks_ && !suspecting_) decision_.open();
+      decided_ = true;
+      marked_blocks_ = false;
+      start(suspecting_ ? phase::resolving : any_blocks_ ? phase::deciding : phase::severing);
     }
+    if (phase_ == phase::resolving && !resolve(limit)) return false;
+    if (!expire_blocks(limit)) return false;
+    if (phase_ == phase::expired) return true;
     if (phase_ == phase::severing) {
       while (candidate_type* const c = next()) {
         if (c->live) continue;
-        c->table->sever(c->object);
+        if (!c->table->sever(c->object)) mark(*c);
         if (!limit.spend()) return false;
       }
-      rest_ = first_;
-      first_ = nullptr;
-      phase_ = phase::destroying;
+      // What could not be severed stays, with what it refers to.
+      if (!exclude_marked(limit)) return false;
+      start(phase::destroying);
     }
     if (phase_ == phase::destroying) {
-      while (candidate_type* const c = rest_) {
-        rest_ = c->next;
-        if (c->live) {
-          c->next = first_;
-          first_ = c;
-          continue;
-        }
+      while (candidate_type* const c = next()) {
+        if (c->live) continue;
         c->table->destroy(c->object);
         ++reclaimed;
-        c->next = free_;
-        free_ = c;
+        all_.remove(at_);
         if (!limit.spend()) return false;
       }
+      all_.trim();
       phase_ = phase::idle;
     }
     return true;
+  }
+
+  /// Whether a candidate is referred to from elsewhere in a way that no purge has seen yet.
+  bool unpurged() const noexcept { return unpurged_; }
+  /// Calls f(candidate) for each candidate, before a purge. Another round will see what it changes, a grace period later.
+  template <class F>
+  void begin_purge(F f) noexcept {
+    unpurged_ = false;
+    unsettled_ = true;
+    auto at = all_.begin();
+    while (candidate_type* const c = at.next()) {
+      c->purged = true;
+      c->purged_version = state_word{c->table->word_of(c->object)}.version();
+      c->held = 0;
+      f(*c);
+    }
   }
 
   /// For walks: the candidate that is walked refers to this one.
@@ -1955,39 +2887,52 @@ class trial_deletion {
       out_of_memory_ = true;
       return;
     }
-    ++walked_->edges;
+    if (walked_ != nullptr) ++walked_->edges;
     ++target.inner;
   }
 
- private:
-  enum class phase { idle, beginning, recording, excluding, checking, severing, destroying };
-  struct block {
-    static constexpr std::size_t size = 255;
-    block* next;
-    candidate_type candidates[size];
-  };
+  /// Makes candidates, for one round, of what the suspected roots refer to: the references of those roots count as inner
+  /// ones then, and what is found is not destroyed but retired. By the collector, between two rounds.
+  void suspect(root_list<Env>& roots) noexcept {
+    if (phase_ != phase::idle || !roots.any_suspected()) return;
+    roots_ = &roots;
+    suspecting_ = true;
+    roots.visit([this](root_place<Env>& root) {
+      if (root.begin_suspicion()) root.operations->suspect(root.described, *this);
+    });
+  }
 
+ private:
+  enum class phase {
+    idle,
+    beginning,
+    recording,
+    excluding,
+    checking,
+    resolving,
+    deciding,
+    unmarking,
+    expiring,
+    expired,
+    severing,
+    destroying
+  };
   static bool same_references(std::uint64_t a, std::uint64_t b) noexcept {
     return state_word{a}.same_references({b});
   }
   void start(phase p) noexcept {
     phase_ = p;
-    at_ = first_;
+    at_ = all_.begin();
     if (p == phase::recording) edges_.clear();
   }
-  candidate_type* next() noexcept {
-    candidate_type* const c = at_;
-    if (c != nullptr) at_ = c->next;
-    return c;
-  }
-  bool any_left() const noexcept {
-    const candidate_type* c = first_;
-    while (c != nullptr && c->live) c = c->next;
-    return c != nullptr;
-  }
+  candidate_type* next() noexcept { return at_.next(); }
   void mark(candidate_type& c) noexcept {
     if (c.live) return;
     c.live = true;
+    --left_;
+    if (phase_ == phase::excluding &&
+        (!c.purged || c.purged_version != state_word{c.noted}.version()))
+      unpurged_ = true;
     c.next_marked = marked_;
     marked_ = &c;
   }
@@ -2001,37 +2946,571 @@ class trial_deletion {
     }
     return true;
   }
-  /// Without memory this round finds nothing; another one will.
-  bool give_up() noexcept {
-    out_of_memory_ = false;
-    unsettled_ = true;
-    start(phase::idle);
-    return true;
-  }
-  bool grow() noexcept {
-    block* const more = new (std::nothrow) block;
-    if (more == nullptr) return false;
-    more->next = blocks_;
-    blocks_ = more;
-    for (candidate_type& c : more->candidates) {
-      c.next = free_;
-      free_ = &c;
+  /// Step 5: one decision for all that is left. False if the limit came first.
+  bool expire_blocks(limit_type& limit) noexcept {
+    if (phase_ == phase::deciding) {
+      while (candidate_type* const c = decided_ ? next() : nullptr) {
+        side_block<Env>* const side = block_of(*c);
+        if (side != nullptr) {
+          marked_blocks_ = true;
+          side->mark(decision_);
+          decided_ = c->table->seal(c->object, c->noted);
+          if (decided_) side->bury();
+        }
+        if (!limit.spend()) return false;
+      }
+      decided_ = decided_ && (!marked_blocks_ || decision_.commit());
+      start(!marked_blocks_ ? phase::severing : decided_ ? phase::expiring : phase::unmarking);
+    }
+    if (phase_ == phase::expiring || phase_ == phase::unmarking) {
+      while (candidate_type* const c = next()) {
+        side_block<Env>* const side = block_of(*c);
+        if (side != nullptr && side->is_marked()) {
+          if (phase_ == phase::expiring) {
+            side->expire();
+          } else {
+            side->unmark();
+            if (!same_references(c->table->word_of(c->object), c->noted)) disturbed(*c);
+          }
+        }
+        if (!limit.spend()) return false;
+      }
+      unsettled_ = unsettled_ || phase_ == phase::unmarking;
+      phase_ = phase_ == phase::expiring ? phase::expired : phase::idle;
     }
     return true;
   }
-
+  /// Of a candidate that nothing else refers to, if weak handles may lead to it.
+  static side_block<Env>* block_of(const candidate_type& c) noexcept {
+    if (c.live || !c.table->has_blocks) return nullptr;
+    side_block<Env>* const side = c.table->block_of(c.object);
+    return side != nullptr && !side->is_dead() ? side : nullptr;
+  }
+  static void disturbed(candidate_type& c) noexcept {
+    if (!state_word{c.noted}.is_retired())
+      return;  // only what is retired may expire while it is referred to
+    if (side_block<Env>* const side = block_of(c)) side->disturbed();
+  }
+  /// Without memory this round finds nothing; another one will.
+  bool give_up() noexcept {
+    marked_ = nullptr;
+    out_of_memory_ = false;
+    unsettled_ = true;
+    auto at = all_.begin();
+    while (candidate_type* const c = at.next()) c->live = true;
+    start(suspecting_ ? phase::resolving : phase::idle);
+    return true;
+  }
+  /// The end of a round with suspects: what was found is retired, the rest leaves.
+  bool resolve(limit_type& limit) noexcept {
+    while (candidate_type* const c = next()) {
+      if (c->suspect && (!c->live || state_word{c->table->word_of(c->object)}.is_retired())) {
+        c->table->condemn(c->object);
+        c->suspect = false;
+        c->fresh = true;
+        unsettled_ = true;
+      }
+      if (c->suspect) {
+        c->table->leave(c->object);
+        all_.remove(at_);
+      }
+      if (!limit.spend()) return false;
+    }
+    all_.trim();
+    suspecting_ = false;
+    roots_->visit([](root_place<Env>& root) { root.end_suspicion(); });
+    start(phase::idle);
+    return true;
+  }
   phase phase_ = phase::idle;
   bool out_of_memory_ = false;
   bool changed_ = false;
   bool unsettled_ = false;
-  candidate_type* first_ = nullptr;
+  bool unpurged_ = false;
+  bool any_blocks_ = false;     // some candidate's type has them
+  bool marked_blocks_ = false;  // in this decision
+  bool decided_ = false;        // so far, that all die
+  runtime::decision<Env> decision_;
+  candidate_list<Env> all_;
+  typename candidate_list<Env>::cursor at_;  // in this phase
   candidate_type* walked_ = nullptr;
   edge_list<Env> edges_;
-  candidate_type* at_ = nullptr;      // the next one in this phase
+  std::size_t left_ = 0;              // candidates of this round that are not excluded
   candidate_type* marked_ = nullptr;  // excluded, not walked yet
-  candidate_type* rest_ = nullptr;    // not destroyed or put back yet
-  candidate_type* free_ = nullptr;
-  block* blocks_ = nullptr;
+  bool suspecting_ = false;
+  root_list<Env>* roots_ = nullptr;
+};
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+template <class Env>
+class purge {
+ public:
+  /// A retired object that is still referred to.
+  struct stuck {
+    const void* key;
+    candidate<Env>* entry;
+  };
+
+  bool at_work() const noexcept { return at_work_; }
+  /// Whether there is reason to begin one.
+  bool due(const trial_deletion<Env>& trial) const noexcept {
+    return !at_work_ && (trial.unpurged() || retry_in_ == 1);
+  }
+  /// A call of collect() begins. If it is @p thorough, nothing is put off.
+  void begin_call(bool thorough) noexcept {
+    if (retry_in_ > 1) retry_in_ = thorough ? 1 : retry_in_ - 1;
+  }
+  /// Goes on, or begins. False if the limit or the memory came to its end first.
+  bool run(root_list<Env>& roots, trial_deletion<Env>& trial, std::size_t live_objects,
+           work_limit<Env>& limit) noexcept {
+    if (!at_work_) {
+      at_work_ = true;
+      number_.fetch_add(1, std::memory_order_relaxed);  // (12)
+      if (!walk_.reserve(live_objects)) return give_up();
+      trial.begin_purge([this](candidate<Env>& c) {
+        bool ignored = false;
+        if (stuck_.add({c.object, &c}, ignored) == nullptr) walk_.fail();
+        walk_.exclude(c.object);
+      });
+      roots.visit([this](const root_place<Env>& root) {
+        root.operations->purge_by_collector(root.described, *this);
+      });
+    }
+    while (!walk_.at_end() && !walk_.out_of_memory()) {
+      if (!limit.spend()) return false;
+      const auto item = walk_.next();
+      item.type->purge_by_collector(item.object, *this);
+    }
+    if (walk_.out_of_memory()) return give_up();
+    bool explained = true;
+    stuck_.each([&](const stuck& s) {
+      const candidate<Env>& c = *s.entry;
+      const std::uint32_t count = state_word{c.table->word_of(c.object)}.count();
+      explained = explained && (c.fresh || count <= c.inner + c.held);
+    });
+    retry_after_ = explained ? 0 : retry_after_ == 0 ? 1 : 2 * retry_after_;
+    retry_in_ = explained ? 0 : retry_after_ + 1;
+    walks_.fetch_add(1, std::memory_order_relaxed);  // (12)
+    finish();
+    return true;
+  }
+
+  // For visitors:
+
+  stuck* find(const void* object) const noexcept { return stuck_.find(object); }
+  std::size_t stuck_objects() const noexcept { return stuck_.size(); }
+  template <class F>
+  void each_stuck(F f) const {
+    stuck_.each(f);
+  }
+  void meet(void* object, const described_operations<Env>& type) noexcept {
+    walk_.meet(object, type);
+  }
+  void dropped() noexcept { dropped_.fetch_add(1, std::memory_order_relaxed); }  // (12)
+
+  // For reports:
+
+  /// Grows when one begins: owners of roots look.
+  std::uint64_t number() const noexcept { return number_.load(std::memory_order_relaxed); }  // (12)
+  std::uint64_t walks() const noexcept { return walks_.load(std::memory_order_relaxed); }    // (12)
+  std::uint64_t stale_edges() const noexcept {
+    return dropped_.load(std::memory_order_relaxed);  // (12)
+  }
+
+ private:
+  /// The next call tries again.
+  bool give_up() noexcept {
+    retry_in_ = 2;
+    finish();
+    return false;
+  }
+  void finish() noexcept {
+    stuck_.clear();
+    walk_.clear();
+    at_work_ = false;
+  }
+
+  bool at_work_ = false;
+  std::uint64_t retry_after_ = 0;
+  std::uint64_t retry_in_ = 0;  // calls; 1: now; 0: never
+  address_table<stuck> stuck_;
+  heap_walk<Env> walk_;
+  typename Env::template atomic<std::uint64_t> number_{0};
+  typename Env::template atomic<std::uint64_t> walks_{0};
+  typename Env::template atomic<std::uint64_t> dropped_{0};
+};
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// A visitor that does nothing: whether a type has edges().
+struct edge_probe {
+  template <class Member, class Disposition = on_retire::hold_edge>
+  void edge(const char*, Member&, const Disposition& = {}) {}
+};
+template <class T, class = void>
+struct has_edges : std::false_type {};
+template <class T>
+struct has_edges<T, std::void_t<decltype(std::declval<T&>().edges(std::declval<edge_probe&>()))>>
+    : std::true_type {};
+
+template <class T>
+class zero_count_table;
+
+/// Whether collectors walk through objects of this type.
+template <class T>
+struct is_described : std::bool_constant<is_deferred<T>::value && has_edges<T>::value> {};
+
+/// Visits the edges. False if edges() threw.
+template <class T, class Visitor>
+bool visit_edges(T& described, Visitor& visitor) noexcept {
+#if defined(__cpp_exceptions)
+  try {
+    described.edges(visitor);
+    return true;
+  } catch (...) {
+    return false;
+  }
+#else
+  described.edges(visitor);
+  return true;
+#endif
+}
+
+/// A visitor that calls f(p) for each reference.
+template <class F>
+struct reference_visitor {
+  F f;
+
+  template <class Member, class Disposition = on_retire::hold_edge>
+  void edge(const char*, Member& member, const Disposition& = {}) {
+    edge_member<std::remove_const_t<Member>>::each(member, f);
+  }
+};
+/// A visitor that drops all references.
+struct severing_visitor {
+  template <class Member, class Disposition = on_retire::hold_edge>
+  void edge(const char*, Member& member, const Disposition& = {}) {
+    edge_member<Member>::sever(member);
+  }
+};
+
+/// What is stale to a purge: what it found stuck when it began.
+template <class Env>
+class stale_to_collector {
+ public:
+  explicit stale_to_collector(runtime::purge<Env>& p) noexcept : purge_(p) {}
+
+  template <class T>
+  bool operator()(T* p) const noexcept {
+    return find(p) != nullptr;
+  }
+  /// A reference to p stays.
+  template <class T>
+  void hold(T* p) const noexcept {
+    if (const auto* const s = find(p)) ++s->entry->held;
+  }
+  /// A stale reference was dropped, if it was @p done.
+  bool dropped(bool done) const noexcept {
+    if (done) purge_.dropped();
+    return done;
+  }
+  /// Whether it is better to look up what is stuck than to walk n elements.
+  bool few(std::size_t n) const noexcept { return purge_.stuck_objects() * 8 < n; }
+  /// Calls f(p) for each stuck T; f returns whether it dropped it.
+  template <class T, class F>
+  void each(F f) const {
+    purge_.each_stuck([&](const auto& s) {
+      if (s.entry->table->type == &type_key<T>) dropped(f(static_cast<T*>(s.entry->object)));
+    });
+  }
+
+ private:
+  template <class T>
+  auto find(T* p) const noexcept {
+    return purge_.find(static_cast<const object_of<T>*>(p));
+  }
+  runtime::purge<Env>& purge_;
+};
+
+/// What is stale to the owner of a root, who knows nothing of purges: what is retired.
+struct stale_to_owner {
+  template <class T>
+  bool operator()(T* p) const noexcept {
+    return transitions<policy_of<T>>::load(access::header_of(*p).state).is_retired();
+  }
+  template <class T>
+  void hold(T*) const noexcept {}
+  bool dropped(bool done) const noexcept { return done; }
+  bool few(std::size_t) const noexcept { return false; }
+  template <class T, class F>
+  void each(F) const noexcept {}
+};
+
+template <class Described, class Env>
+struct operations_on {
+  static const runtime::described_operations<Env> table;
+
+  static bool purge_by_collector(void* described, runtime::purge<Env>& with) {
+    purging_visitor visitor{with};
+    return detail::visit_edges(*static_cast<Described*>(described), visitor);
+  }
+  static bool purge_by_owner(void* described) {
+    owner_visitor visitor;
+    return detail::visit_edges(*static_cast<Described*>(described), visitor);
+  }
+  static bool report(void* described, runtime::edge_sink<Env>& to) {
+    reporting_visitor visitor{to};
+    return detail::visit_edges(*static_cast<Described*>(described), visitor);
+  }
+  static bool suspect(void* described, runtime::trial_deletion<Env>& trial) {
+    const auto make = [&trial](auto* p) {
+      using target = object_of<std::remove_pointer_t<decltype(p)>>;
+      if constexpr (is_described<target>::value)
+        zero_count_table<target>::suspect(const_cast<target&>(static_cast<const target&>(*p)));
+      (void)trial;
+    };
+    reference_visitor<decltype(make)> visitor{make};
+    return detail::visit_edges(*static_cast<Described*>(described), visitor);
+  }
+  static bool record(void* described, runtime::trial_deletion<Env>& trial) {
+    const auto record_one = [&trial](auto* p) {
+      using target = object_of<std::remove_pointer_t<decltype(p)>>;
+      if constexpr (is_described<target>::value) {
+        // (11) only the collector stores what names a candidate.
+        void* const link = access::header_of(*p).link.load(std::memory_order_relaxed);
+        if (auto* const c = runtime::candidate<Env>::of_link(link)) trial.record(*c);
+      }
+      (void)trial;
+    };
+    reference_visitor<decltype(record_one)> visitor{record_one};
+    return detail::visit_edges(*static_cast<Described*>(described), visitor);
+  }
+  static const runtime::described_operations<Env>* if_described() noexcept {
+    if constexpr (is_described<Described>::value) return &table;
+    return nullptr;
+  }
+
+ private:
+  struct purging_visitor {
+    runtime::purge<Env>& with;
+
+    template <class Member, class Disposition = on_retire::hold_edge>
+    void edge(const char*, Member& member, const Disposition& how = {}) {
+      using ops = edge_member<Member>;
+      stale_to_collector<Env> stale(with);
+      ops::purge(member, how, stale);
+      ops::each(member, [this](auto* p) {
+        using target = object_of<std::remove_pointer_t<decltype(p)>>;
+        if constexpr (is_described<target>::value)
+          with.meet(const_cast<target*>(static_cast<const target*>(p)),
+                    operations_on<target, Env>::table);
+      });
+    }
+  };
+  struct owner_visitor {
+    template <class Member, class Disposition = on_retire::hold_edge>
+    void edge(const char*, Member& member, const Disposition& how = {}) {
+      stale_to_owner stale;
+      edge_member<Member>::purge(member, how, stale);
+    }
+  };
+  struct reporting_visitor {
+    runtime::edge_sink<Env>& to;
+
+    template <class Member, class Disposition = on_retire::hold_edge>
+    void edge(const char* name, Member& member, const Disposition& = {}) {
+      edge_member<std::remove_const_t<Member>>::each(member, [&](auto* p) {
+        using target = object_of<std::remove_pointer_t<decltype(p)>>;
+        const runtime::edge_target<Env> found{
+            const_cast<target*>(static_cast<const target*>(p)), type_name<target>::get(),
+            transitions<policy_of<target>>::load(access::header_of(*p).state).bits,
+            operations_on<target, Env>::if_described()};
+        to.edge(name, on_retire::name_of(static_cast<Disposition*>(nullptr)), found);
+      });
+    }
+  };
+};
+template <class Described, class Env>
+const runtime::described_operations<Env> operations_on<Described, Env>::table = {
+    &purge_by_collector, &purge_by_owner, &report, &suspect, &record};
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/detail/domain_state.hpp ----
+/// @file
+/// What outlives a domain: its epoch, the records of its mutators, and its tables.
+
+// ---- slamgc/detail/collection.hpp ----
+/// @file
+/// A domain's collection: one at a time, in as many calls as it takes.
+///
+/// **States.** *noting*: what has entered the tables is noted, table by table. *waiting*: the epoch was
+/// advanced; the grace period is open. *deciding*: it is over; the noted objects are destroyed, or leave, or
+/// enter anew. *purging*, between two rounds, if there is reason to (purge.hpp). A call goes on where the last one
+/// ended, whichever thread made it. What enters meanwhile belongs to the next round.
+
+// ---- slamgc/budget.hpp ----
+/// @file
+/// What a call that collects may do, and what it did.
+
+namespace slamgc {
+
+/// How much one call of collect() may do. It stops at whichever it reaches first, after the object it is
+/// at: one destructor is the smallest unit of time.
+struct budget {
+  /// Objects to handle. One that is reclaimed is handled twice: noted, and after the grace period destroyed.
+  std::size_t objects = static_cast<std::size_t>(-1);
+  std::chrono::nanoseconds time = std::chrono::nanoseconds::max();  ///< Time.
+};
+
+/// What a call of collect() did.
+struct collected {
+  /// How it ended.
+  enum class outcome {
+    done,     ///< Nothing is left that could be reclaimed now.
+    waiting,  ///< The rest waits until each mutator has passed a quiescent state.
+    partial,  ///< The budget is used up.
+    busy,     ///< Another thread is collecting, or this one further up the stack; nothing was done.
+    refused,  ///< The thread declared that it never reclaims; nothing was done.
+  };
+  outcome result = outcome::done;  ///< How it ended.
+  std::size_t reclaimed = 0;       ///< Objects destroyed.
+};
+
+/// Why drain() or synchronize() ended.
+enum class waited {
+  done,       ///< What was waited for has happened.
+  timed_out,  ///< A mutator did not pass a quiescent state in time.
+  /// The calling thread is an online mutator of the domain, or collects, and would wait for itself; or it is online and never
+  /// reclaims. (Two threads, each an online mutator of the domain that the other one waits for, wait for ever: go offline
+  /// in all domains first.)
+  refused,
+};
+
+}  // namespace slamgc
+// ---- slamgc/diagnosis/hooks.hpp ----
+/// @file
+/// What a domain tells a profiler.
+
+namespace slamgc {
+
+/// One call of collect() that was not refused: a slice of a domain's collection.
+struct slice_stats {
+  using time_point = std::chrono::steady_clock::time_point;  ///< When something was.
+
+  collected did;                     ///< What the call returns.
+  time_point begin;                  ///< When it began.
+  std::chrono::nanoseconds took{0};  ///< How long it took.
+  std::uint64_t grace_periods = 0;   ///< Grace periods that began in it.
+  delay delayed;                     ///< Whom the domain waits for at its end.
+};
+
+/// What a domain calls while it collects: derive from this, override what is wanted, and install() it.
+///
+/// All functions are called in collect(), on the thread that collects, one at a time for one domain. They must not throw, and
+/// must not collect, count or retire. They may read stats() of the domain.
+///
+/// Without hooks a call of collect() has one branch more. With hooks it sums up the numbers of all types, twice
+/// at most: O(types + mutators), as stats().
+class collector_hooks {
+ public:
+  using time_point = slice_stats::time_point;  ///< When something was.
+
+  virtual ~collector_hooks() = default;
+
+  /// A slice begins.
+  virtual void slice_begins(time_point) noexcept {}
+  /// The grace period with this number, which was open when the slice began, is over. Told before the slice ends; that it is
+  /// over was found at @p when.
+  virtual void grace_period_closed(std::uint64_t /*number*/, time_point /*when*/) noexcept {}
+  /// The slice ends while the grace period with this number is open, since @p when. (Those that begin and end within one slice are
+  /// in its numbers only.)
+  virtual void grace_period_opened(std::uint64_t /*number*/, time_point /*when*/) noexcept {}
+  /// The numbers of one type at the end of the slice, if they are others than at the end of the last one; @p reclaimed objects of
+  /// the type were destroyed since then. The type's name stays valid, at its address.
+  virtual void objects(const type_stats& /*now*/, std::uint64_t /*reclaimed*/) noexcept {}
+  /// The slice ends.
+  virtual void slice_ended(const slice_stats&) noexcept {}
+};
+
+}  // namespace slamgc
+// ---- slamgc/detail/dropped.hpp ----
+/// @file
+/// What cleared registries held, on its way to the collector.
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+/// The content of a registry that was cleared. Its references are still counted: clearing is an unlinking that the
+/// collector completes.
+template <class Env>
+class dropped_base {
+ public:
+  virtual ~dropped_base() = default;
+  /// Retires and drops the objects one by one. By the collector; false if the limit came first.
+  virtual bool drop(work_limit<Env>& limit) noexcept = 0;
+
+ private:
+  template <class>
+  friend class dropped_list;
+  dropped_base* next_ = nullptr;
+};
+
+/// Filled by any thread, emptied by the collector. Lock-free.
+template <class Env>
+class dropped_list {
+ public:
+  dropped_list() noexcept = default;
+  ~dropped_list() {
+    take();
+    while (taken_ != nullptr) delete_first();
+  }
+  dropped_list(const dropped_list&) = delete;
+  dropped_list& operator=(const dropped_list&) = delete;
+
+  void push(dropped_base<Env>& content) noexcept {
+    dropped_base<Env>* below = first_.load(std::memory_order_relaxed);  // (32) a guess.
+    do {
+      content.next_ = below;
+      // (32) release: publishes the content to take().
+    } while (!first_.compare_exchange_weak(below, &content, std::memory_order_release,
+                                           std::memory_order_relaxed));  // (32)
+  }
+  /// Drops all that was pushed before. By the collector; false if the limit came first.
+  bool drop_all(work_limit<Env>& limit) noexcept {
+    for (;;) {
+      if (taken_ == nullptr) take();
+      if (taken_ == nullptr) return true;
+      if (!taken_->drop(limit)) return false;
+      delete_first();
+    }
+  }
+
+ private:
+  void take() noexcept {
+    // (32) relaxed: whether there is something, which the grace period orders where it matters.
+    if (first_.load(std::memory_order_relaxed) == nullptr) return;
+    taken_ = first_.exchange(nullptr, std::memory_order_acquire);  // (32) sees the content.
+  }
+  void delete_first() noexcept {
+    dropped_base<Env>* const next = taken_->next_;
+    delete taken_;
+    taken_ = next;
+  }
+
+  typename Env::template atomic<dropped_base<Env>*> first_{nullptr};
+  dropped_base<Env>* taken_ = nullptr;  // the collector's
 };
 
 }  // namespace SLAMGC_SHARED
@@ -2046,10 +3525,12 @@ class collection {
   using outcome = collected::outcome;
   using domain = domain_state<Env>;
 
-  collected collect(domain& of, const budget& limit) noexcept {
+  /// @p thorough: what could be put off is not.
+  collected collect(domain& of, const budget& limit, bool thorough = false) noexcept {
     // (21) acquire: sees what the last collector left behind.
     if (collecting_.exchange(true, std::memory_order_acquire)) return {outcome::busy, 0};
     const auto begin = clock::now();
+    purge_.begin_call(thorough);
     const collected done =
         hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);
     const std::int64_t took = std::chrono::nanoseconds(clock::now() - begin).count();
@@ -2076,6 +3557,9 @@ class collection {
   }
 
   trial_deletion<Env>& trial() noexcept { return trial_; }
+  root_list<Env>& roots() noexcept { return roots_; }
+  void drop(dropped_base<Env>& content) noexcept { dropped_.push(content); }
+  const purge<Env>& purging() const noexcept { return purge_; }
 
   // ---- reports
 
@@ -2104,7 +3588,7 @@ class collection {
  private:
   using clock = clock_of<Env>;
   using table = table_base<Env>;
-  enum class phase { noting, waiting, deciding };
+  enum class phase { noting, waiting, deciding, purging };
 
   collected slice(domain& of, const budget& limit, typename clock::time_point begin) noexcept {
     for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
@@ -2158,7 +3642,12 @@ class collection {
               std::size_t& reclaimed) noexcept {
     bool found_nothing = false;
     for (;;) {
+      if (phase_ == phase::purging) {
+        if (!purge_.run(roots_, trial_, live(of), work)) return outcome::partial;
+        phase_ = phase::noting;
+      }
       if (phase_ == phase::noting) {
+        if (!dropped_.drop_all(work)) return outcome::partial;
         me.publish();
         if (batch_ == nullptr) {
           at_ = batch_ = of.tables();
@@ -2166,12 +3655,15 @@ class collection {
         }
         for (; at_ != nullptr; at_ = at_->next)
           if (!at_->note(work, noted_)) return outcome::partial;
+        trial_.suspect(roots_);
         // What entered and is not noted is in a chain of a mutator, which publishes it at the latest when
         // the grace period is over.
         if (!trial_.find(work)) return outcome::partial;
         if (noted_ == 0 && !trial_.found() && !trial_.unsettled() && backlog(of) == 0) {
           batch_ = nullptr;
-          return outcome::done;
+          if (!purge_.due(trial_)) return outcome::done;
+          phase_ = phase::purging;
+          continue;
         }
         open_grace_period(of);
         phase_ = phase::waiting;
@@ -2186,14 +3678,17 @@ class collection {
         at_ = batch_;
         phase_ = phase::deciding;
       }
+      // Before trial deletion decides: what a mutator cleared before its quiescent state is unlinked then.
+      if (!dropped_.drop_all(work)) return outcome::partial;
       const bool tried = trial_.found() || trial_.unsettled();
       if (!trial_.decide(work, reclaimed)) return outcome::partial;
       for (; at_ != nullptr; at_ = at_->next)
         if (!at_->decide(work, reclaimed)) return outcome::partial;
       batch_ = nullptr;
-      phase_ = phase::noting;
+      phase_ = purge_.due(trial_) ? phase::purging : phase::noting;
       // For a thread that is about to push something; one that was at work when the round began has done so.
-      if (noted_ == 0 && !tried && std::exchange(found_nothing, true)) return outcome::waiting;
+      if (noted_ == 0 && !tried && phase_ == phase::noting && std::exchange(found_nothing, true))
+        return outcome::waiting;
     }
   }
 
@@ -2209,6 +3704,11 @@ class collection {
     for (const table* t = of.tables(); t != nullptr; t = t->next) sum += t->backlog();
     return sum;
   }
+  static std::size_t live(const domain& of) noexcept {
+    std::uint64_t sum = 0;
+    for (const table* t = of.tables(); t != nullptr; t = t->next) sum += t->live();
+    return static_cast<std::size_t>(sum);
+  }
   static std::chrono::nanoseconds time() noexcept { return clock::now().time_since_epoch(); }
 
   typename Env::template atomic<bool> collecting_{false};
@@ -2223,6 +3723,9 @@ class collection {
   table* batch_ = nullptr;  // the tables of this round, from the newest
   table* at_ = nullptr;     // the next one
   trial_deletion<Env> trial_;
+  purge<Env> purge_;
+  root_list<Env> roots_;
+  dropped_list<Env> dropped_;
   std::size_t noted_ = 0;  // objects in this round
   std::uint64_t target_ = 0;
   std::uint64_t backlog_limit_ = 0;
@@ -2300,12 +3803,13 @@ class domain_state {
     // (18) release: what it did with borrowed pointers comes before their reclamation (20).
     r.epoch.store(record::offline, std::memory_order_release);
   }
-  void quiescent(record& r) noexcept {
+  bool quiescent(record& r) noexcept {
     // (19) acquire: sees whatever was unlinked before the collector wrote this epoch (17).
     const std::uint64_t now = epoch_.load(std::memory_order_acquire);
     // (12) relaxed: nobody else writes the record.
-    if (r.epoch.load(std::memory_order_relaxed) != now)
-      r.epoch.store(now, std::memory_order_release);  // (18)
+    if (r.epoch.load(std::memory_order_relaxed) == now) return false;
+    r.epoch.store(now, std::memory_order_release);  // (18)
+    return true;
   }
 
   // ---- grace periods
@@ -2383,6 +3887,15 @@ class domain_state {
   atomic<std::size_t> records_made_{0};
   atomic<std::size_t> references_{1};
 };
+
+template <class Env>
+void participant<Env>::join_purge() noexcept {
+  const std::uint64_t now = domain->collection.purging().number();
+  if (now == purged) return;
+  purged = now;
+  for (const root_place<Env>* root = roots; root != nullptr; root = root->next_of_owner)
+    root->operations->purge_by_owner(root->described);
+}
 
 /// The state of the default domain: made on first use, never destroyed.
 template <class Env>
@@ -2497,403 +4010,23 @@ class note_list {
 }  // namespace detail
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
-
-namespace slamgc {
-inline namespace SLAMGC_FLAVOUR {
-namespace detail {
-
-/// An address for each type.
-template <class T>
-inline constexpr char type_key = 0;
-
-/// Marks the reclaimers that defer.
-struct deferred_base {};
-template <class T>
-struct is_deferred : std::is_base_of<deferred_base, reclaimer_of<T>> {};
-
-template <class T>
-class zero_count_table final : public runtime::table_base<typename policy_of<T>::env> {
-  using env = typename policy_of<T>::env;
-  using base = runtime::table_base<env>;
-  using policy = policy_of<T>;
-  using typename base::door;
-  using candidate = runtime::candidate<env>;
-
- public:
-  explicit zero_count_table(runtime::domain_state<env>& of) noexcept
-      : base(of, &type_key<T>, slamgc::detail::type_name<T>::get(), sizeof(T)) {}
-
-  /// The table of T in @p domain, or null.
-  static zero_count_table* find(const runtime::domain_state<env>& domain) noexcept {
-    return static_cast<zero_count_table*>(domain.find(&type_key<T>));
-  }
-  /// The table of T in @p domain. Throws std::bad_alloc, the first time.
-  static zero_count_table& in(runtime::domain_state<env>& domain) {
-    zero_count_table* found = find(domain);
-    if (found == nullptr) {
-      found = new zero_count_table(domain);
-      domain.add(*found);
-    }
-    return *found;
-  }
-  /// The table of an object that is not queued.
-  static zero_count_table* of(const T& object) noexcept {
-    auto& link = access::header_of(object).link;
-    // (13) stored by the object's constructor, or before it left the table.
-    return static_cast<zero_count_table*>(link.load(std::memory_order_relaxed));
-  }
-
-  /// Takes in an object whose `queued` flag the caller has just set. Lock-free; never allocates.
-  void push(T* object) noexcept {
-    runtime::participant<env>* me;
-    door& at = this->my_door(me);
-    push(object, at, me);
-  }
-  /// The same, where the caller knows the door.
-  void push(T* object, door& at, runtime::participant<env>* me) noexcept {
-    auto& link = access::header_of(*object).link;
-    base::add(at, &door::entered);
-    if (me == nullptr || !me->keeps_chains()) {
-      at.push(object, link);
-      return;
-    }
-    link.store(at.chain, std::memory_order_relaxed);  // (11)
-    if (at.chain == nullptr) {
-      at.chain_end = &link;
-      at.next_pending = me->pending;
-      me->pending = &at;
-    }
-    at.chain = object;
-  }
-
-  bool note(runtime::work_limit<env>& limit, std::size_t& noted) noexcept override {
-    for (;;) {
-      while (taken_ != nullptr) {
-        auto& header = access::header_of(*taken_);
-        void* const below = header.link.load(std::memory_order_relaxed);  // (11)
-        const std::uint64_t word = policy::load(header.state);
-        if (is_candidate(word)) {
-          if (!become_candidate(taken_)) return true;
-          base::add(this->left_, 1);
-        } else {
-          if (!notes_.add({taken_, word})) return true;
-          ++noted;
-        }
-        taken_ = static_cast<T*>(below);
-        if (!limit.spend()) return false;
-      }
-      if (at_door_ == base::doors) break;
-      taken_ = static_cast<T*>(this->doors_[at_door_++].take());
-    }
-    at_door_ = 0;
-    return true;
-  }
-
-  std::uint64_t word_of(const void* object) const noexcept override {
-    return policy::load(access::header_of(*static_cast<const T*>(object)).state);
-  }
-  void walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
-    if constexpr (has_edges<T>::value) {
-      const auto record = [&trial](auto* p) {
-        using target = object_of<std::remove_pointer_t<decltype(p)>>;
-        if constexpr (is_deferred<target>::value && has_edges<target>::value) {
-          // (11) only the collector stores what names a candidate.
-          void* const link = access::header_of(*p).link.load(std::memory_order_relaxed);
-          if (candidate* const c = candidate::of_link(link)) trial.record(*c);
-        }
-      };
-      reference_visitor<decltype(record)> visitor{record};
-      static_cast<T*>(object)->edges(visitor);
-    }
-  }
-  void sever(void* object) noexcept override {
-    if constexpr (has_edges<T>::value) {
-      severing_visitor visitor;
-      static_cast<T*>(object)->edges(visitor);
-    }
-  }
-  void destroy(void* object) noexcept override {
-    destroy_object(static_cast<T*>(object));
-    base::add(this->stuck_, std::uint64_t{0} - 1);
-    base::add(this->reclaimed_, 1);
-    base::add(this->doors_[base::collectors_door].ended, 1);
-  }
-
-  bool decide(runtime::work_limit<env>& limit, std::size_t& reclaimed) noexcept override {
-    std::size_t left = 0;
-    std::size_t destroyed = 0;
-    bool more = true;
-    limit.other_objects();
-    for (; more && !notes_.empty(); more = limit.spend()) {
-      if (const entry* const soon = notes_.soon()) __builtin_prefetch(soon->object, 1);
-      const entry e = notes_.take();
-      ++left;
-      if (!is_dead(e)) continue;
-      // The destructor may do anything, push objects of this type included.
-      destroy_object(e.object);
-      ++destroyed;
-    }
-    base::add(this->left_, left);
-    base::add(this->reclaimed_, destroyed);
-    base::add(this->doors_[base::collectors_door].ended, destroyed);
-    reclaimed += destroyed;
-    return more;
-  }
-
- private:
-  struct entry {
-    T* object;
-    std::uint64_t noted;
-  };
-
-  /// Else the object is where it belongs afterwards.
-  bool is_dead(const entry& e) noexcept {
-    auto& header = access::header_of(*e.object);
-    std::uint64_t now = policy::load(header.state);
-    for (;;) {
-      const state_word w{now};
-      if (w.count() == 0) {
-        if (w.same_references({e.noted})) return true;
-        push(e.object);
-        return false;
-      }
-      if (is_candidate(now)) {
-        if (!become_candidate(e.object)) push(e.object);
-        return false;
-      }
-      // (13) published by clearing the flag: compare_exchange (6) releases.
-      header.link.store(this, std::memory_order_relaxed);
-      if (policy::compare_exchange(header.state, now, now & ~state_word::queued_flag)) return false;
-    }
-  }
-
-  /// Retired, described, and still referred to: in place of leaving, it is tried.
-  static constexpr bool is_candidate(std::uint64_t word) noexcept {
-    return has_edges<T>::value && state_word{word}.count() != 0 && state_word{word}.is_retired();
-  }
-  /// False if there is no memory.
-  bool become_candidate(T* object) noexcept {
-    auto* const c = this->domain.collection.trial().add(object, *this);
-    if (c == nullptr) return false;
-    // (11) read by collectors alone.
-    access::header_of(*object).link.store(candidate::link_to(c), std::memory_order_relaxed);
-    base::add(this->stuck_, 1);
-    return true;
-  }
-
-  // The collector's:
-  note_list<entry> notes_;
-  T* taken_ = nullptr;       // what is left of a door's stack
-  std::size_t at_door_ = 0;  // the next door
-};
-
-}  // namespace detail
-}  // namespace SLAMGC_FLAVOUR
-}  // namespace slamgc
-// ---- slamgc/domain.hpp ----
+// ---- slamgc/detail/side_block.hpp ----
 /// @file
-/// Domains: what objects, threads and collectors share; grace periods; collecting.
+/// Side blocks: what weak handles and anchors refer to.
 ///
-/// **States.** The domain has an epoch, a number that only grows. Each mutator has a record: 0 while it
-/// is offline, else an epoch that it read at its last quiescent state.
-///
-/// **Grace period.** A collector advances the epoch to `g`. The grace period is over when each record is
-/// 0 or at least `g`.
-///
-/// **Argument.** Let a reference be unlinked before the collector advances the epoch. A mutator with a
-/// record of `g` or more has *read* that epoch, which the collector wrote after the unlinking: what the
-/// mutator reads from then on cannot be the unlinked pointer, and what it had borrowed before, it gave
-/// up. A mutator that was offline when the collector looked changes the epoch, by a read-modify-write,
-/// before it reads anything: either after the collector's advance, and it sees the unlinking; or before
-/// it, and the collector, whose advance is a read-modify-write too, sees its record. So when the grace
-/// period is over nobody has a pointer that was borrowed through the unlinked reference.
-///
-/// Quiescent-state-based reclamation: Hart, McKenney, Brown and Walpole 2007. Orders:
-/// docs/memory-model.md.
+/// A block is a counted object. The object that it belongs to has one reference to it, each handle another; so it
+/// outlives the object as long as a handle needs it. A chain of blocks, whose records refer to each other, is destroyed
+/// without recursion, as any counted objects are.
 
-#include <algorithm>
+#include <memory>
 
-namespace slamgc {
-inline namespace SLAMGC_FLAVOUR {
+// ---- slamgc/intrusive_rc.hpp ----
+/// @file
+/// The counted pointer for locals, parameters and roots.
 
-/// What objects, threads and collectors share: one per SLAM system.
-///
-/// An object belongs to the domain that is current on the thread that makes it: that of its innermost
-/// mutator, or default_domain() on a thread that has none. While destructors run in collect(), the current
-/// domain is the one that collects.
-///
-/// Thread-safety: unless they say otherwise, operations may be called by any thread at any time. None waits for a
-/// grace period except synchronize() and drain(). After fork() the child has the mutators of threads that it does
-/// not have: it must not use the domain.
-template <class Env>
-class basic_domain {
- public:
-  /// An empty domain. Throws std::bad_alloc.
-  basic_domain() : state_(new runtime::domain_state<Env>) {}
-  /// Reclaims what nobody can see. If objects are left, their number and types are printed to the
-  /// standard error stream; they stay valid, and are not reclaimed any more. No other thread may be
-  /// collecting; mutators may outlive it.
-  ~basic_domain() {
-    if (!never_reclaims()) {
-      const collected last = state_->collection.collect(*state_, {});
-      SLAMGC_ASSERT(last.result != outcome::busy,
-                    (misuse{"ends a domain that is being collected", "domain", this, 0}));
-      (void)last;
-    }
-    for (table* t = state_->tables(); t != nullptr; t = t->next)
-      if (const std::uint64_t live = t->live())
-        std::fprintf(stderr, "slamgc: a domain ends while %llu objects of type %s exist\n",
-                     static_cast<unsigned long long>(live), t->type_name);
-    state_->release();
-  }
-  basic_domain(const basic_domain&) = delete;
-  basic_domain& operator=(const basic_domain&) = delete;
+#include <iosfwd>
+#include <typeindex>  // the smallest header with std::hash
 
-  /// Reclaims, within @p limit, what nobody can see any more. Never waits.
-  ///
-  /// Destructors run on the calling thread, outside of any lock; they may retire, make and count objects, and
-  /// call collect(), which does nothing then. One thread collects at a time. Objects that enter while a grace period
-  /// is open wait for the next one. O(objects handled + types + mutators).
-  collected collect(budget limit = {}) noexcept {
-    if (never_reclaims()) {
-      SLAMGC_ASSERT(false, (misuse{"collects on a thread that never reclaims", "domain", this, 0}));
-      state_->collection.refuse();
-      return {outcome::refused, 0};
-    }
-    return state_->collection.collect(*state_, limit);
-  }
-
-  /// Waits for a grace period: afterwards nobody holds a pointer that was borrowed through a reference
-  /// which was unlinked before.
-  [[nodiscard]] waited synchronize(
-      std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) noexcept {
-    if (is_online() || is_collecting()) return waited::refused;
-    const std::uint64_t target = state_->advance();
-    return wait(timeout, [&] { return state_->behind(target) == nullptr; });
-  }
-
-  /// Collects until nothing waits any more, and waits for the grace periods that this takes.
-  [[nodiscard]] waited drain(
-      std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) noexcept {
-    if (is_online() || is_collecting()) return waited::refused;
-    bool refused = false;
-    const auto begin = clock::now();
-    const auto ends_with = [&] {
-      budget left;
-      left.time = timeout - std::min<std::chrono::nanoseconds>(timeout, clock::now() - begin);
-      return collect(left).result;
-    };
-    const waited result = wait(timeout, [&] {
-      const outcome now = ends_with();
-      refused = now == outcome::refused;
-      // The first call may only have ended what an earlier one began.
-      return refused || (now == outcome::done && ends_with() == outcome::done);
-    });
-    return refused ? waited::refused : result;
-  }
-
-  /// The numbers of now. Exact while no thread changes them. Throws std::bad_alloc. O(types + mutators).
-  [[nodiscard]] domain_stats stats() const {
-    domain_stats all;
-    for (table* t = state_->tables(); t != nullptr; t = t->next) all.types.push_back(t->stats());
-    const auto& collection = state_->collection;
-    for (auto* r = state_->first_record(); r != nullptr; r = r->next) {
-      if (!r->taken.load(std::memory_order_relaxed)) continue;            // (12)
-      const std::uint64_t at = r->epoch.load(std::memory_order_relaxed);  // (12)
-      mutator_stats m;
-      m.name = r->name.load(std::memory_order_relaxed);  // (12)
-      m.online = at != record::offline;
-      m.delays = m.online && at < collection.open();
-      all.mutators.push_back(m);
-    }
-    all.delayed = collection.delayed(*state_);
-    all.grace_periods = collection.grace_periods();
-    all.longest_collect = collection.longest();
-    all.refused_collects = collection.refused();
-    return all;
-  }
-
-  /// Whom reclamation waits for, and how much. Allocates nothing. O(types + mutators).
-  [[nodiscard]] delay delayed() const noexcept { return state_->collection.delayed(*state_); }
-
-  /// Calls @p hook in collect(), on its thread, whenever it ends because it waits for a mutator while more
-  /// than @p limit objects wait. It must not throw. Not to be called while another thread collects.
-  void on_backlog(std::uint64_t limit, void (*hook)(const delay&, void* context),
-                  void* context = nullptr) noexcept {
-    state_->collection.on_backlog(limit, hook, context);
-  }
-
-  /// Calls @p hooks in collect() from now on; null: nobody. They must outlive the domain, or be replaced before. Not to be called
-  /// while another thread collects.
-  void install(collector_hooks* hooks) noexcept { state_->collection.install(*state_, hooks); }
-
- private:
-  using outcome = collected::outcome;
-  using clock = runtime::clock_of<Env>;
-  using table = runtime::table_base<Env>;
-  using record = runtime::mutator_record<Env>;
-  using participant = runtime::participant<Env>;
-  using participants = runtime::participants<Env>;
-
-  friend struct detail::domain_access;
-  explicit basic_domain(runtime::domain_state<Env>& shared) noexcept : state_(&shared) {}
-
-  bool is_online() const noexcept {
-    return participants::any_in(*state_, [](const participant& p) { return p.online; });
-  }
-  bool is_collecting() const noexcept {
-    return participants::any_in(*state_, [](const participant& p) { return p.record == nullptr; });
-  }
-  static bool never_reclaims() noexcept {
-    for (auto* p = participants::of_this_thread().innermost; p != nullptr; p = p->outer)
-      if (p->never_reclaim && p->online) return true;
-    return false;
-  }
-
-  template <class Condition>
-  static waited wait(std::chrono::nanoseconds timeout, Condition condition) noexcept {
-    constexpr std::chrono::nanoseconds longest_pause = std::chrono::milliseconds(1);
-    constexpr std::chrono::nanoseconds step{100};
-    const auto begin = clock::now();
-    for (std::chrono::nanoseconds pause{0}; !condition(); pause += pause / 2 + step) {
-      if (clock::now() - begin >= timeout) return waited::timed_out;
-      if (pause > longest_pause) pause = longest_pause;
-      clock::pause(pause);
-    }
-    return waited::done;
-  }
-
-  runtime::domain_state<Env>* const state_;
-};
-
-namespace detail {
-
-struct domain_access {
-  template <class Env>
-  static runtime::domain_state<Env>& state_of(const basic_domain<Env>& domain) noexcept {
-    return *domain.state_;
-  }
-  template <class Env>
-  static basic_domain<Env>& shared() {
-    static basic_domain<Env>& forever = *new basic_domain<Env>(runtime::default_state<Env>());
-    return forever;
-  }
-};
-
-}  // namespace detail
-
-/// The domain of threads that have no mutator. Made on first use, never destroyed: the destructors of
-/// static objects may use it. One per process, in shared libraries too, unless one of them is loaded by `dlopen`
-/// with RTLD_LOCAL or linked with -Bsymbolic: those need a domain that is handed to them.
-template <class Env>
-[[nodiscard]] basic_domain<Env>& basic_default_domain() {
-  return detail::domain_access::shared<Env>();
-}
-/// The default domain of ordinary programs.
-[[nodiscard]] inline domain& default_domain() { return basic_default_domain<std_env>(); }
-
-}  // namespace SLAMGC_FLAVOUR
-}  // namespace slamgc
 // ---- slamgc/rc_object.hpp ----
 /// @file
 /// The base class of every counted object.
@@ -2976,181 +4109,6 @@ class rc_object {
 
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
-
-namespace slamgc {
-inline namespace SLAMGC_FLAVOUR {
-
-namespace detail {
-
-/// Where new objects of T on this thread belong, as it was found the last time.
-template <class T>
-struct current_place {
-  using env = typename policy_of<T>::env;
-
-  std::uint64_t key;  // of the thread's innermost part, and one more
-  zero_count_table<T>* table;
-  runtime::table_door<env>* door;
-
-  /// Throws std::bad_alloc, the first time in a domain.
-  static const current_place& get() {
-    current_place& last = env::template thread_record<current_place>();
-    const runtime::participants<env>& now = runtime::participants<env>::of_this_thread();
-    if (__builtin_expect(last.key != now.current + 1, false)) last.find(now);
-    return last;
-  }
-
- private:
-  __attribute__((noinline)) void find(const runtime::participants<env>& now) {
-    const runtime::participant<env>* const me = now.innermost;
-    table = &zero_count_table<T>::in(
-        me != nullptr ? *me->domain : domain_access::state_of(basic_default_domain<env>()));
-    runtime::participant<env>* ignored;
-    door = &table->my_door(ignored);
-    key = now.current + 1;
-  }
-};
-
-/// The table of T in the domain of the thread's innermost part, if there are both: for who must not throw.
-template <class T>
-zero_count_table<T>* known_table() noexcept {
-  const auto* const me =
-      runtime::participants<typename policy_of<T>::env>::of_this_thread().innermost;
-  return me != nullptr ? zero_count_table<T>::find(*me->domain) : nullptr;
-}
-
-/// Whether the calling thread may have borrowed from @p domain: it takes part there, or borrows nowhere.
-template <class Env>
-bool may_borrow_from(const runtime::domain_state<Env>& domain) noexcept {
-  using all = runtime::participants<Env>;
-  return all::borrower() == nullptr ||
-         all::any_in(domain, [](const runtime::participant<Env>&) { return true; });
-}
-
-/// What both reclaimers do. `AtZero`: an object that was not retired is reclaimed, too.
-template <bool AtZero>
-struct deferred : deferred_base {
-  /// Removes a reference. An object that nobody refers to waits for a collector. Lock-free; never
-  /// allocates, destroys or fails.
-  template <class T>
-  static void release(T* object) noexcept {
-    using policy = policy_of<T>;
-    auto& state = access::header_of(*object).state;
-    std::uint64_t now = policy::load(state);
-    for (;;) {
-      const state_word w{now};
-      SLAMGC_ASSERT(w.count() != 0,
-                    (misuse_of(object, "removes a reference that was never counted")));
-      if (w.count() == 0 || w.is_saturated()) return;
-      // Not afterwards: it may be gone then.
-      if (w.count() == 1 && watch() != nullptr) watch()->falls_to_zero(object, type_name<T>::get());
-      // The fall to zero and `queued` are one change. Between two, a collector could bring the object through
-      // the table and free it, and this thread, if it is no mutator, would touch it afterwards.
-      const bool enters = w.count() == 1 && !w.is_queued() && (AtZero || w.is_retired());
-      const std::uint64_t then =
-          now - state_word::count_unit + (enters ? state_word::queued_flag : 0);
-      if (policy::compare_exchange(state, now, then)) {
-        if (enters) zero_count_table<T>::of(*object)->push(object);
-        return;
-      }
-    }
-  }
-
-  /// The table of the object's type in the current domain. Throws std::bad_alloc, the first time.
-  template <class T>
-  static void* first_link() {
-    const auto& here = current_place<T>::get();
-    here.table->add(*here.door, &runtime::table_door<typename policy_of<T>::env>::created);
-    return here.table;
-  }
-  /// The program itself deletes an object, which has to be in no table.
-  template <class T>
-  static void last_link(void* table) noexcept {
-    using env = typename policy_of<T>::env;
-    auto& mine = *static_cast<zero_count_table<T>*>(table);
-    runtime::participant<env>* ignored;
-    mine.add(mine.my_door(ignored), &runtime::table_door<env>::ended);
-  }
-
-  /// Nothing is destroyed while a count changes, so there is nothing to hold back.
-  template <class T>
-  struct scope {
-    scope() noexcept {}  ///< Does nothing.
-  };
-};
-
-}  // namespace detail
-
-/// Reclaimer: an object whose count falls to zero is destroyed by a collector of its domain, once no
-/// mutator can have a borrowed pointer to it, unless a reference was added meanwhile. So is an object
-/// that was retired and that nobody refers to.
-struct reclaim_deferred : detail::deferred<true> {};
-
-/// Reclaimer: as reclaim_deferred, but only what was retired is destroyed (ORB-SLAM's `isBad`). An object
-/// that nobody refers to and that was not retired stays.
-///
-/// With mutators, this is the retire set of the thesis (chapter 4.3): retire() puts the object into the set,
-/// and collect() at the end of culling is the scan.
-struct reclaim_retired : detail::deferred<false> {};
-
-/// Declares *p dead: it is destroyed once its count is zero and no mutator can have a borrowed
-/// pointer to it. Objects that were never counted, too. Returns false if it was retired before or is null,
-/// and does nothing then.
-///
-/// By an online mutator of the object's domain, or by a thread that keeps a counted reference and is no mutator of
-/// another domain only, which is reported unless the object waits already. (If it does, it counts in stats() as retired
-/// in the domain of the calling thread's mutator, or not at all.) Lock-free; never allocates or destroys.
-template <class T>
-bool retire(T* p) noexcept {
-  static_assert(detail::is_deferred<T>::value,
-                "slamgc: only objects with a deferred reclaimer can be retired");
-  using policy = detail::policy_of<T>;
-  using env = typename policy::env;
-  using object = detail::object_of<T>;
-  if (p == nullptr) return false;
-  auto* const target = const_cast<object*>(static_cast<const object*>(p));
-  if (detail::was_reclaimed(target)) {
-    SLAMGC_ASSERT(
-        false, (misuse{"retires an object that was reclaimed", detail::type_name<T>::get(), p, 0}));
-    return false;
-  }
-  auto& state = detail::access::header_of(*target).state;
-  std::uint64_t now = policy::load(state);
-  for (;;) {
-    const state_word w{now};
-    SLAMGC_ASSERT(!(w.is_retired() && detail::reports_double_retire()),
-                  (detail::misuse_of(target, "retires an object that was retired before")));
-    if (w.is_retired()) return false;
-    // With described edges it is a candidate for trial deletion, whoever refers to it.
-    const bool enters = !w.is_queued() && (w.count() == 0 || detail::has_edges<object>::value);
-    // Of an object that is queued the link names no table. It is counted as one of the thread's domain, which is
-    // its own unless the thread lives by a counted reference.
-    auto* const table = w.is_queued() ? detail::known_table<object>()
-                                      : detail::zero_count_table<object>::of(*target);
-    const std::uint64_t then =
-        now | state_word::retired_flag | (enters ? state_word::queued_flag : 0);
-    if (!policy::compare_exchange(state, now, then)) continue;
-    if (detail::watch() != nullptr)
-      detail::watch()->retired(target, detail::type_name<object>::get());
-    if (table == nullptr) return true;
-    SLAMGC_ASSERT(detail::may_borrow_from(table->domain),
-                  (misuse{"retires an object of another domain than the thread's",
-                          detail::type_name<T>::get(), p, w.count()}));
-    runtime::participant<env>* me;
-    auto& door = table->my_door(me);
-    table->add(door, &runtime::table_door<env>::retired);
-    if (enters) table->push(target, door, me);
-    return true;
-  }
-}
-
-}  // namespace SLAMGC_FLAVOUR
-}  // namespace slamgc
-// ---- slamgc/intrusive_rc.hpp ----
-/// @file
-/// The counted pointer for locals, parameters and roots.
-
-#include <iosfwd>
-#include <typeindex>  // the smallest header with std::hash
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
@@ -3440,6 +4398,1060 @@ struct std::hash<slamgc::intrusive_rc<T>> {
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+template <class Env>
+class counted_block
+    : public rc_object<counted_block<Env>, basic_fetch_add_counter<Env>, reclaim_at_zero>,
+      public runtime::side_block<Env> {
+ public:
+  using runtime::side_block<Env>::side_block;
+};
+
+/// The part of an object that knows its block. A copy of the object is another object.
+template <class T, class Env>
+class block_owner {
+ public:
+  using block = counted_block<Env>;
+
+  /// Null if nobody has made a weak handle yet.
+  block* get() const noexcept {
+    return block_.load(std::memory_order_acquire);  // (29) sees the block that another thread made.
+  }
+  /// Throws std::bad_alloc, the first time.
+  block& get_or_make() const {
+    if (block* const made = get()) return *made;
+    intrusive_rc<block> mine = make_rc<block>(this);
+    block* found = nullptr;
+    // (29) release: publishes the block; acquire: sees that of who came first.
+    if (!block_.compare_exchange_strong(found, mine.get(), std::memory_order_release,
+                                        std::memory_order_acquire))  // (29)
+      return *found;
+    return *mine.detach();
+  }
+
+ protected:
+  block_owner() noexcept = default;
+  explicit block_owner(intrusive_rc<block> mine) noexcept : block_(mine.detach()) {}
+  ~block_owner() {
+    // (29) nobody else has the object any more.
+    if (block* const mine = block_.load(std::memory_order_relaxed)) {
+      mine->expire();
+      drop_reference(mine);
+    }
+  }
+  block_owner(const block_owner&) = delete;
+  block_owner& operator=(const block_owner&) = delete;
+
+ private:
+  mutable typename Env::template atomic<block*> block_{nullptr};
+};
+
+/// The owner in T, found as base_of() finds the base class: void if there is none, or if there are several.
+template <class T, class Env>
+block_owner<T, Env> owner_in(const block_owner<T, Env>*);
+void owner_in(...);
+template <class T>
+using owner_type = decltype(detail::owner_in(static_cast<const T*>(nullptr)));
+template <class T>
+struct has_block : std::bool_constant<!std::is_void<owner_type<T>>::value> {};
+
+/// The owner in *p, which has to be that of the class that derives from rc_object.
+template <class Env, class T>
+const block_owner<object_of<T>, Env>& owner_of(const T& p) noexcept {
+  using object = object_of<T>;
+  static_assert(
+      std::is_same<owner_type<object>, block_owner<object, Env>>::value,
+      "slamgc: the class that derives from rc_object must also derive publicly, and once, from "
+      "enable_weak_rc or enable_anchor, with the environment of its counter policy");
+  static_assert(
+      std::is_same<Env, typename policy_of<T>::env>::value,
+      "slamgc: enable_weak_rc and enable_anchor take the environment of the counter policy");
+  return p;
+}
+
+/// The object with a reference of the caller's own, or null. By an online mutator.
+template <class Object, class Env>
+Object* lock(const runtime::side_block<Env>& block) noexcept {
+  if (block.is_dead()) return nullptr;
+  const auto* const owner = static_cast<const block_owner<Object, Env>*>(block.owner());
+  auto* const object = const_cast<Object*>(static_cast<const Object*>(owner));
+  transitions<policy_of<Object>>::increment_before_look(access::header_of(*object).state);
+  if (block.survives()) return object;
+  drop_reference(object);
+  return nullptr;
+}
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+template <class T>
+class zero_count_table final : public runtime::table_base<typename policy_of<T>::env> {
+  using env = typename policy_of<T>::env;
+  using base = runtime::table_base<env>;
+  using policy = policy_of<T>;
+  using typename base::door;
+  using candidate = runtime::candidate<env>;
+
+ public:
+  explicit zero_count_table(runtime::domain_state<env>& of) noexcept
+      : base(of, &type_key<T>, slamgc::detail::type_name<T>::get(), sizeof(T),
+             has_block<T>::value) {}
+
+  /// The table of T in @p domain, or null.
+  static zero_count_table* find(const runtime::domain_state<env>& domain) noexcept {
+    return static_cast<zero_count_table*>(domain.find(&type_key<T>));
+  }
+  /// The table of T in @p domain. Throws std::bad_alloc, the first time.
+  static zero_count_table& in(runtime::domain_state<env>& domain) {
+    zero_count_table* found = find(domain);
+    if (found == nullptr) {
+      found = new zero_count_table(domain);
+      domain.add(*found);
+    }
+    return *found;
+  }
+  /// The table of an object that is not queued.
+  static zero_count_table* of(const T& object) noexcept {
+    auto& link = access::header_of(object).link;
+    // (13) stored by the object's constructor, or before it left the table.
+    return static_cast<zero_count_table*>(link.load(std::memory_order_relaxed));
+  }
+
+  /// Takes in an object whose `queued` flag the caller has just set. Lock-free; never allocates.
+  void push(T* object) noexcept {
+    runtime::participant<env>* me;
+    door& at = this->my_door(me);
+    push(object, at, me);
+  }
+  /// The same, where the caller knows the door.
+  void push(T* object, door& at, runtime::participant<env>* me) noexcept {
+    auto& link = access::header_of(*object).link;
+    base::add(at, &door::entered);
+    if (me == nullptr || !me->keeps_chains()) {
+      at.push(object, link);
+      return;
+    }
+    link.store(at.chain, std::memory_order_relaxed);  // (11)
+    if (at.chain == nullptr) {
+      at.chain_end = &link;
+      at.next_pending = me->pending;
+      me->pending = &at;
+    }
+    at.chain = object;
+  }
+
+  bool note(runtime::work_limit<env>& limit, std::size_t& noted) noexcept override {
+    for (;;) {
+      while (taken_ != nullptr) {
+        auto& header = access::header_of(*taken_);
+        void* const below = header.link.load(std::memory_order_relaxed);  // (11)
+        const std::uint64_t word = policy::load(header.state);
+        if (is_candidate(word)) {
+          if (!become_candidate(taken_, word)) return true;
+          base::add(this->left_, 1);
+        } else {
+          if (!notes_.add({taken_, word})) return true;
+          ++noted;
+        }
+        taken_ = static_cast<T*>(below);
+        if (!limit.spend()) return false;
+      }
+      if (at_door_ == base::doors) break;
+      taken_ = static_cast<T*>(this->doors_[at_door_++].take());
+    }
+    at_door_ = 0;
+    return true;
+  }
+
+  std::uint64_t word_of(const void* object) const noexcept override {
+    return policy::load(access::header_of(*static_cast<const T*>(object)).state);
+  }
+  runtime::side_block<env>* block_of(void* object) const noexcept override {
+    if constexpr (has_block<T>::value)
+      return owner_of<env>(*static_cast<const T*>(object)).get();
+    else
+      return nullptr;
+  }
+  bool seal(void* object, std::uint64_t noted) noexcept override {
+    auto& state = access::header_of(*static_cast<T*>(object)).state;
+    std::uint64_t now = policy::load(state);
+    do {
+      if (!state_word{now}.same_references({noted})) return false;
+    } while (!policy::compare_exchange(state, now, now));
+    return true;
+  }
+  bool walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
+    if constexpr (has_edges<T>::value) return operations_on<T, env>::record(object, trial);
+    return true;
+  }
+  bool sever(void* object) noexcept override {
+    severing_visitor visitor;
+    if constexpr (has_edges<T>::value)
+      return detail::visit_edges(*static_cast<T*>(object), visitor);
+    return true;
+  }
+  void destroy(void* object) noexcept override {
+    destroy_object(static_cast<T*>(object));
+    base::add(this->stuck_, std::uint64_t{0} - 1);
+    base::add(this->reclaimed_, 1);
+    base::add(this->doors_[base::collectors_door].ended, 1);
+  }
+
+  /// Makes a candidate of an object that is neither queued nor retired: see trial_deletion::suspect.
+  static void suspect(T& object) noexcept {
+    auto& header = access::header_of(object);
+    std::uint64_t now = policy::load(header.state);
+    do {
+      const state_word w{now};
+      if (w.is_queued() || w.is_retired() || w.is_saturated()) return;
+    } while (!policy::compare_exchange(header.state, now, now | state_word::queued_flag));
+    zero_count_table* const mine = of(object);
+    if (!mine->become_candidate(&object, now)) mine->leave_table(object);
+  }
+  void condemn(void* object) noexcept override {
+    auto& state = access::header_of(*static_cast<T*>(object)).state;
+    std::uint64_t now = policy::load(state);
+    do {
+      if (state_word{now}.is_retired()) return;
+    } while (!policy::compare_exchange(state, now, now | state_word::retired_flag));
+    base::add(this->doors_[base::collectors_door].retired, 1);
+  }
+  void leave(void* object) noexcept override {
+    base::add(this->stuck_, std::uint64_t{0} - 1);
+    leave_table(*static_cast<T*>(object));
+  }
+
+  bool decide(runtime::work_limit<env>& limit, std::size_t& reclaimed) noexcept override {
+    std::size_t left = 0;
+    std::size_t destroyed = 0;
+    bool more = true;
+    limit.other_objects();
+    for (; more && !notes_.empty(); more = limit.spend()) {
+      if (const entry* const soon = notes_.soon()) __builtin_prefetch(soon->object, 1);
+      const entry e = notes_.take();
+      ++left;
+      if (!is_dead(e) || !has_expired(e)) continue;
+      // The destructor may do anything, push objects of this type included.
+      destroy_object(e.object);
+      ++destroyed;
+    }
+    base::add(this->left_, left);
+    base::add(this->reclaimed_, destroyed);
+    base::add(this->doors_[base::collectors_door].ended, destroyed);
+    reclaimed += destroyed;
+    return more;
+  }
+
+ private:
+  struct entry {
+    T* object;
+    std::uint64_t noted;
+  };
+
+  /// Else the object is where it belongs afterwards.
+  bool is_dead(const entry& e) noexcept {
+    auto& header = access::header_of(*e.object);
+    std::uint64_t now = policy::load(header.state);
+    for (;;) {
+      const state_word w{now};
+      if (w.count() == 0) {
+        if (w.same_references({e.noted})) return true;
+        if (auto* const block = this->block_of(e.object)) block->disturbed();
+        push(e.object);
+        return false;
+      }
+      if (is_candidate(now)) {
+        if (!become_candidate(e.object, now)) push(e.object);
+        return false;
+      }
+      if (auto* const block = this->block_of(e.object)) block->undisturbed();
+      if (clear_queued(header, now)) return false;
+    }
+  }
+
+  /// Clears `queued`, or pushes the object.
+  void leave_table(T& object) noexcept {
+    auto& header = access::header_of(object);
+    std::uint64_t now = policy::load(header.state);
+    do {
+      const state_word w{now};
+      if (w.is_retired() || (w.count() == 0 && reclaimer_of<T>::at_zero)) {
+        push(&object);
+        return;
+      }
+    } while (!clear_queued(header, now));
+  }
+  /// The object leaves, or @p now is its word.
+  template <class Header>
+  bool clear_queued(Header& header, std::uint64_t& now) noexcept {
+    // (13) published by clearing the flag: compare_exchange (6) releases.
+    header.link.store(this, std::memory_order_relaxed);
+    return policy::compare_exchange(header.state, now, now & ~state_word::queued_flag);
+  }
+
+  /// Whether no weak handle leads to the object any more, which is dead otherwise. Else they expire now, unless
+  /// somebody locks one; and the object enters anew.
+  bool has_expired(const entry& e) noexcept {
+    auto* const block = this->block_of(e.object);
+    if (block == nullptr || block->is_dead()) return true;
+    runtime::decide_alone(this->domain.collection.trial().decision(), *block,
+                          [&] { return seal(e.object, e.noted); });
+    push(e.object);
+    return false;
+  }
+
+  /// Retired, described, and still referred to: in place of leaving, it is tried.
+  static constexpr bool is_candidate(std::uint64_t word) noexcept {
+    return has_edges<T>::value && state_word{word}.count() != 0 && state_word{word}.is_retired();
+  }
+  /// False if there is no memory.
+  bool become_candidate(T* object, std::uint64_t word) noexcept {
+    auto* const c = this->domain.collection.trial().add(object, *this, word);
+    if (c == nullptr) return false;
+    // (11) read by collectors alone.
+    access::header_of(*object).link.store(candidate::link_to(c), std::memory_order_relaxed);
+    base::add(this->stuck_, 1);
+    return true;
+  }
+
+  // The collector's:
+  note_list<entry> notes_;
+  T* taken_ = nullptr;       // what is left of a door's stack
+  std::size_t at_door_ = 0;  // the next door
+};
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/domain.hpp ----
+/// @file
+/// Domains: what objects, threads and collectors share; grace periods; collecting.
+///
+/// **States.** The domain has an epoch, a number that only grows. Each mutator has a record: 0 while it
+/// is offline, else an epoch that it read at its last quiescent state.
+///
+/// **Grace period.** A collector advances the epoch to `g`. The grace period is over when each record is
+/// 0 or at least `g`.
+///
+/// **Argument.** Let a reference be unlinked before the collector advances the epoch. A mutator with a
+/// record of `g` or more has *read* that epoch, which the collector wrote after the unlinking: what the
+/// mutator reads from then on cannot be the unlinked pointer, and what it had borrowed before, it gave
+/// up. A mutator that was offline when the collector looked changes the epoch, by a read-modify-write,
+/// before it reads anything: either after the collector's advance, and it sees the unlinking; or before
+/// it, and the collector, whose advance is a read-modify-write too, sees its record. So when the grace
+/// period is over nobody has a pointer that was borrowed through the unlinked reference.
+///
+/// Quiescent-state-based reclamation: Hart, McKenney, Brown and Walpole 2007. Orders:
+/// docs/memory-model.md.
+
+#include <algorithm>
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// What objects, threads and collectors share: one per SLAM system.
+///
+/// An object belongs to the domain that is current on the thread that makes it: that of its innermost
+/// mutator, or default_domain() on a thread that has none. While destructors run in collect(), the current
+/// domain is the one that collects.
+///
+/// Thread-safety: unless they say otherwise, operations may be called by any thread at any time. None waits for a
+/// grace period except synchronize() and drain(). After fork() the child has the mutators of threads that it does
+/// not have: it must not use the domain.
+template <class Env>
+class basic_domain {
+ public:
+  /// An empty domain. Throws std::bad_alloc.
+  basic_domain() : state_(new runtime::domain_state<Env>) {}
+  /// Reclaims what nobody can see. If objects are left, their number and types are printed to the
+  /// standard error stream; they stay valid, and are not reclaimed any more. No other thread may be
+  /// collecting; mutators may outlive it.
+  ~basic_domain() {
+    if (!never_reclaims()) {
+      const collected last = state_->collection.collect(*state_, {}, true);
+      SLAMGC_ASSERT(last.result != outcome::busy,
+                    (misuse{"ends a domain that is being collected", "domain", this, 0}));
+      (void)last;
+    }
+    for (table* t = state_->tables(); t != nullptr; t = t->next)
+      if (const std::uint64_t live = t->live())
+        std::fprintf(stderr, "slamgc: a domain ends while %llu objects of type %s exist\n",
+                     static_cast<unsigned long long>(live), t->type_name);
+    state_->release();
+  }
+  basic_domain(const basic_domain&) = delete;
+  basic_domain& operator=(const basic_domain&) = delete;
+
+  /// Reclaims, within @p limit, what nobody can see any more. Never waits.
+  ///
+  /// Destructors run on the calling thread, outside of any lock; they may retire, make and count objects, and
+  /// call collect(), which does nothing then. One thread collects at a time. Objects that enter while a grace period
+  /// is open wait for the next one. O(objects handled + types + mutators).
+  collected collect(budget limit = {}) noexcept { return collect(limit, false); }
+
+  /// Waits for a grace period: afterwards nobody holds a pointer that was borrowed through a reference
+  /// which was unlinked before.
+  [[nodiscard]] waited synchronize(
+      std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) noexcept {
+    if (is_online() || is_collecting()) return waited::refused;
+    const std::uint64_t target = state_->advance();
+    return wait(timeout, [&] { return state_->behind(target) == nullptr; });
+  }
+
+  /// Collects until nothing waits any more, and waits for the grace periods that this takes.
+  [[nodiscard]] waited drain(
+      std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) noexcept {
+    if (is_online() || is_collecting()) return waited::refused;
+    bool refused = false;
+    const auto begin = clock::now();
+    const auto ends_with = [&] {
+      budget left;
+      left.time = timeout - std::min<std::chrono::nanoseconds>(timeout, clock::now() - begin);
+      return collect(left, true).result;
+    };
+    const waited result = wait(timeout, [&] {
+      const outcome now = ends_with();
+      refused = now == outcome::refused;
+      // The first call may only have ended what an earlier one began.
+      return refused || (now == outcome::done && ends_with() == outcome::done);
+    });
+    return refused ? waited::refused : result;
+  }
+
+  /// The numbers of now. Exact while no thread changes them. Throws std::bad_alloc. O(types + mutators).
+  [[nodiscard]] domain_stats stats() const {
+    domain_stats all;
+    for (table* t = state_->tables(); t != nullptr; t = t->next) all.types.push_back(t->stats());
+    const auto& collection = state_->collection;
+    for (auto* r = state_->first_record(); r != nullptr; r = r->next) {
+      if (!r->taken.load(std::memory_order_relaxed)) continue;            // (12)
+      const std::uint64_t at = r->epoch.load(std::memory_order_relaxed);  // (12)
+      mutator_stats m;
+      m.name = r->name.load(std::memory_order_relaxed);  // (12)
+      m.online = at != record::offline;
+      m.delays = m.online && at < collection.open();
+      all.mutators.push_back(m);
+    }
+    all.delayed = collection.delayed(*state_);
+    all.grace_periods = collection.grace_periods();
+    all.longest_collect = collection.longest();
+    all.refused_collects = collection.refused();
+    return all;
+  }
+
+  /// Whom reclamation waits for, and how much. Allocates nothing. O(types + mutators).
+  [[nodiscard]] delay delayed() const noexcept { return state_->collection.delayed(*state_); }
+
+  /// Calls @p hook in collect(), on its thread, whenever it ends because it waits for a mutator while more
+  /// than @p limit objects wait. It must not throw. Not to be called while another thread collects.
+  void on_backlog(std::uint64_t limit, void (*hook)(const delay&, void* context),
+                  void* context = nullptr) noexcept {
+    state_->collection.on_backlog(limit, hook, context);
+  }
+
+  /// Calls @p hooks in collect() from now on; null: nobody. They must outlive the domain, or be replaced before. Not to be called
+  /// while another thread collects.
+  void install(collector_hooks* hooks) noexcept { state_->collection.install(*state_, hooks); }
+
+ private:
+  using outcome = collected::outcome;
+  using clock = runtime::clock_of<Env>;
+  using table = runtime::table_base<Env>;
+  using record = runtime::mutator_record<Env>;
+  using participant = runtime::participant<Env>;
+  using participants = runtime::participants<Env>;
+
+  friend struct detail::domain_access;
+  explicit basic_domain(runtime::domain_state<Env>& shared) noexcept : state_(&shared) {}
+
+  collected collect(const budget& limit, bool thorough) noexcept {
+    if (never_reclaims()) {
+      SLAMGC_ASSERT(false, (misuse{"collects on a thread that never reclaims", "domain", this, 0}));
+      state_->collection.refuse();
+      return {outcome::refused, 0};
+    }
+    return state_->collection.collect(*state_, limit, thorough);
+  }
+  bool is_online() const noexcept {
+    return participants::any_in(*state_, [](const participant& p) { return p.online; });
+  }
+  bool is_collecting() const noexcept {
+    return participants::any_in(*state_, [](const participant& p) { return p.record == nullptr; });
+  }
+  static bool never_reclaims() noexcept {
+    for (auto* p = participants::of_this_thread().innermost; p != nullptr; p = p->outer)
+      if (p->never_reclaim && p->online) return true;
+    return false;
+  }
+
+  template <class Condition>
+  static waited wait(std::chrono::nanoseconds timeout, Condition condition) noexcept {
+    constexpr std::chrono::nanoseconds longest_pause = std::chrono::milliseconds(1);
+    constexpr std::chrono::nanoseconds step{100};
+    const auto begin = clock::now();
+    for (std::chrono::nanoseconds pause{0}; !condition(); pause += pause / 2 + step) {
+      if (clock::now() - begin >= timeout) return waited::timed_out;
+      if (pause > longest_pause) pause = longest_pause;
+      clock::pause(pause);
+    }
+    return waited::done;
+  }
+
+  runtime::domain_state<Env>* const state_;
+};
+
+namespace detail {
+
+struct domain_access {
+  template <class Env>
+  static runtime::domain_state<Env>& state_of(const basic_domain<Env>& domain) noexcept {
+    return *domain.state_;
+  }
+  template <class Env>
+  static basic_domain<Env>& shared() {
+    static basic_domain<Env>& forever = *new basic_domain<Env>(runtime::default_state<Env>());
+    return forever;
+  }
+};
+
+}  // namespace detail
+
+/// The domain of threads that have no mutator. Made on first use, never destroyed: the destructors of
+/// static objects may use it. One per process, in shared libraries too, unless one of them is loaded by `dlopen`
+/// with RTLD_LOCAL or linked with -Bsymbolic: those need a domain that is handed to them.
+template <class Env>
+[[nodiscard]] basic_domain<Env>& basic_default_domain() {
+  return detail::domain_access::shared<Env>();
+}
+/// The default domain of ordinary programs.
+[[nodiscard]] inline domain& default_domain() { return basic_default_domain<std_env>(); }
+
+namespace detail {
+
+/// The domain of the thread's innermost mutator, or the default one.
+template <class Env>
+runtime::domain_state<Env>& current_domain() {
+  const auto* const me = runtime::participants<Env>::of_this_thread().innermost;
+  return me != nullptr ? *me->domain : domain_access::state_of(basic_default_domain<Env>());
+}
+
+}  // namespace detail
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+namespace detail {
+
+/// Where new objects of T on this thread belong, as it was found the last time.
+template <class T>
+struct current_place {
+  using env = typename policy_of<T>::env;
+
+  std::uint64_t key;  // of the thread's innermost part, and one more
+  zero_count_table<T>* table;
+  runtime::table_door<env>* door;
+
+  /// Throws std::bad_alloc, the first time in a domain.
+  static const current_place& get() {
+    current_place& last = env::template thread_record<current_place>();
+    const runtime::participants<env>& now = runtime::participants<env>::of_this_thread();
+    if (__builtin_expect(last.key != now.current + 1, false)) last.find(now);
+    return last;
+  }
+
+ private:
+  __attribute__((noinline)) void find(const runtime::participants<env>& now) {
+    table = &zero_count_table<T>::in(detail::current_domain<env>());
+    runtime::participant<env>* ignored;
+    door = &table->my_door(ignored);
+    key = now.current + 1;
+  }
+};
+
+/// The table of T in the domain of the thread's innermost part, if there are both: for who must not throw.
+template <class T>
+zero_count_table<T>* known_table() noexcept {
+  const auto* const me =
+      runtime::participants<typename policy_of<T>::env>::of_this_thread().innermost;
+  return me != nullptr ? zero_count_table<T>::find(*me->domain) : nullptr;
+}
+
+/// Whether the calling thread may have borrowed from @p domain: it takes part there, or borrows nowhere.
+template <class Env>
+bool may_borrow_from(const runtime::domain_state<Env>& domain) noexcept {
+  using all = runtime::participants<Env>;
+  return all::borrower() == nullptr ||
+         all::any_in(domain, [](const runtime::participant<Env>&) { return true; });
+}
+
+/// What both reclaimers do. `AtZero`: an object that was not retired is reclaimed, too.
+template <bool AtZero>
+struct deferred : deferred_base {
+  static constexpr bool at_zero = AtZero;
+
+  /// Removes a reference. An object that nobody refers to waits for a collector. Lock-free; never
+  /// allocates, destroys or fails.
+  template <class T>
+  static void release(T* object) noexcept {
+    using policy = policy_of<T>;
+    auto& state = access::header_of(*object).state;
+    std::uint64_t now = policy::load(state);
+    for (;;) {
+      const state_word w{now};
+      SLAMGC_ASSERT(w.count() != 0,
+                    (misuse_of(object, "removes a reference that was never counted")));
+      if (w.count() == 0 || w.is_saturated()) return;
+      // Not afterwards: it may be gone then.
+      if (w.count() == 1 && watch() != nullptr) watch()->falls_to_zero(object, type_name<T>::get());
+      // The fall to zero and `queued` are one change. Between two, a collector could bring the object through
+      // the table and free it, and this thread, if it is no mutator, would touch it afterwards.
+      const bool enters = w.count() == 1 && !w.is_queued() && (AtZero || w.is_retired());
+      const std::uint64_t then =
+          now - state_word::count_unit + (enters ? state_word::queued_flag : 0);
+      if (policy::compare_exchange(state, now, then)) {
+        if (enters) zero_count_table<T>::of(*object)->push(object);
+        return;
+      }
+    }
+  }
+
+  /// The table of the object's type in the current domain. Throws std::bad_alloc, the first time.
+  template <class T>
+  static void* first_link() {
+    const auto& here = current_place<T>::get();
+    here.table->add(*here.door, &runtime::table_door<typename policy_of<T>::env>::created);
+    return here.table;
+  }
+  /// The program itself deletes an object, which has to be in no table.
+  template <class T>
+  static void last_link(void* table) noexcept {
+    using env = typename policy_of<T>::env;
+    auto& mine = *static_cast<zero_count_table<T>*>(table);
+    runtime::participant<env>* ignored;
+    mine.add(mine.my_door(ignored), &runtime::table_door<env>::ended);
+  }
+
+  /// Nothing is destroyed while a count changes, so there is nothing to hold back.
+  template <class T>
+  struct scope {
+    scope() noexcept {}  ///< Does nothing.
+  };
+};
+
+}  // namespace detail
+
+/// Reclaimer: an object whose count falls to zero is destroyed by a collector of its domain, once no
+/// mutator can have a borrowed pointer to it, unless a reference was added meanwhile. So is an object
+/// that was retired and that nobody refers to.
+struct reclaim_deferred : detail::deferred<true> {};
+
+/// Reclaimer: as reclaim_deferred, but only what was retired is destroyed (ORB-SLAM's `isBad`). An object
+/// that nobody refers to and that was not retired stays.
+///
+/// With mutators, this is the retire set of the thesis (chapter 4.3): retire() puts the object into the set,
+/// and collect() at the end of culling is the scan.
+struct reclaim_retired : detail::deferred<false> {};
+
+/// Declares *p dead: it is destroyed once its count is zero and no mutator can have a borrowed
+/// pointer to it. Objects that were never counted, too. Returns false if it was retired before or is null,
+/// and does nothing then.
+///
+/// By an online mutator of the object's domain, or by a thread that keeps a counted reference and is no mutator of
+/// another domain only, which is reported unless the object waits already. (If it does, it counts in stats() as retired
+/// in the domain of the calling thread's mutator, or not at all.) Lock-free; never allocates or destroys.
+template <class T>
+bool retire(T* p) noexcept {
+  static_assert(detail::is_deferred<T>::value,
+                "slamgc: only objects with a deferred reclaimer can be retired");
+  using policy = detail::policy_of<T>;
+  using env = typename policy::env;
+  using object = detail::object_of<T>;
+  if (p == nullptr) return false;
+  auto* const target = const_cast<object*>(static_cast<const object*>(p));
+  if (detail::was_reclaimed(target)) {
+    SLAMGC_ASSERT(
+        false, (misuse{"retires an object that was reclaimed", detail::type_name<T>::get(), p, 0}));
+    return false;
+  }
+  auto& state = detail::access::header_of(*target).state;
+  std::uint64_t now = policy::load(state);
+  for (;;) {
+    const state_word w{now};
+    SLAMGC_ASSERT(!(w.is_retired() && detail::reports_double_retire()),
+                  (detail::misuse_of(target, "retires an object that was retired before")));
+    if (w.is_retired()) return false;
+    // With described edges it is a candidate for trial deletion, whoever refers to it.
+    const bool enters = !w.is_queued() && (w.count() == 0 || detail::has_edges<object>::value);
+    // Of an object that is queued the link names no table. It is counted as one of the thread's domain, which is
+    // its own unless the thread lives by a counted reference.
+    auto* const table = w.is_queued() ? detail::known_table<object>()
+                                      : detail::zero_count_table<object>::of(*target);
+    const std::uint64_t then =
+        now | state_word::retired_flag | (enters ? state_word::queued_flag : 0);
+    if (!policy::compare_exchange(state, now, then)) continue;
+    if (detail::watch() != nullptr)
+      detail::watch()->retired(target, detail::type_name<object>::get());
+    if (table == nullptr) return true;
+    SLAMGC_ASSERT(detail::may_borrow_from(table->domain),
+                  (misuse{"retires an object of another domain than the thread's",
+                          detail::type_name<T>::get(), p, w.count()}));
+    runtime::participant<env>* me;
+    auto& door = table->my_door(me);
+    table->add(door, &runtime::table_door<env>::retired);
+    if (enters) table->push(target, door, me);
+    return true;
+  }
+}
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/rc_slot.hpp ----
+/// @file
+/// The counted pointer for members: an edge of the graph.
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// Counted pointer for a member of an object: what was `KeyFrame* mpParent;` becomes
+/// `slamgc::rc_slot<KeyFrame> mpParent;`, and the code that uses it stays.
+///
+/// Reading is a load and gives a borrowed pointer, exactly as a raw member does. Assignment is an
+/// atomic exchange, unless the pointer is there already: several threads may assign one slot without a
+/// lock, and each old pointer is released once. It is as large as a pointer; `T` may be incomplete where the member is declared.
+///
+/// Thread-safety: any thread may read or assign at any time. A pointer that was *read* is safe to use
+/// or to count only while something else keeps the object: a lock under which all writers assign, a
+/// reference of the reader's own, or a grace period. Copying, moving and swapping read the other
+/// slot, so the same holds for them. All operations are O(1), apart from a destructor that the last
+/// reference sets off.
+template <class T, class Env>
+class rc_slot {
+  static_assert(!std::is_pointer<T>::value,
+                "slamgc: write rc_slot<KeyFrame>, not rc_slot<KeyFrame*>");
+
+ public:
+  /// What it points to.
+  using element_type = T;
+
+  /// Null.
+  constexpr rc_slot() noexcept = default;
+  /// Null. A template, so that `NULL` is taken as a pointer.
+  template <class Null, class = std::enable_if_t<std::is_same<Null, std::nullptr_t>::value>>
+  constexpr rc_slot(Null) noexcept {}
+  /// Refers to @p p. Explicit, so that `condition ? slot : pointer` stays a pointer.
+  explicit rc_slot(T* p) noexcept : p_((detail::add_reference(p), p)) {}
+  /// Refers to the same object as @p p, as its base or as const.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  explicit rc_slot(const intrusive_rc<U>& p) noexcept : rc_slot(static_cast<T*>(p.get())) {}
+  /// Takes over the reference of @p p, as its base or as const.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  explicit rc_slot(intrusive_rc<U>&& p) noexcept : p_(moved(p.detach())) {}
+  /// Another reference to the same object.
+  rc_slot(const rc_slot& other) noexcept : rc_slot(other.get()) {}
+  /// Moves the reference here; @p other becomes null.
+  rc_slot(rc_slot&& other) noexcept : p_(moved(other.replace(nullptr))) {}
+  /// Removes the reference.
+  ~rc_slot() { detail::drop_reference(replace(nullptr)); }
+
+  /// Refers to @p p. Costs a load if it does already: references that are set in every frame mostly do.
+  rc_slot& operator=(T* p) noexcept {
+    if (get() == p) return *this;
+    detail::add_reference(p);
+    detail::drop_reference(replace(p));
+    return *this;
+  }
+  /// Refers to the same object as @p other.
+  rc_slot& operator=(const rc_slot& other) noexcept { return *this = other.get(); }
+  /// Moves the reference here; @p other becomes null.
+  rc_slot& operator=(rc_slot&& other) noexcept {
+    detail::drop_reference(replace(moved(other.replace(nullptr))));
+    return *this;
+  }
+  /// Refers to the same object as @p p, as its base or as const.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  rc_slot& operator=(const intrusive_rc<U>& p) noexcept {
+    return *this = static_cast<T*>(p.get());
+  }
+  /// Takes over the reference of @p p, as its base or as const.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  rc_slot& operator=(intrusive_rc<U>&& p) noexcept {
+    detail::drop_reference(replace(moved(p.detach())));
+    return *this;
+  }
+
+  /// The pointer: borrowed.
+  [[nodiscard]] T* get() const noexcept {
+    return p_.load(std::memory_order_acquire);  // (9) sees the object that (10) published.
+  }
+  /// The pointer: borrowed.
+  [[nodiscard]] operator T*() const noexcept { return get(); }
+  /// The object's members. Not for a null slot.
+  [[nodiscard]] T* operator->() const noexcept { return get(); }
+  /// The object. Not for a null slot.
+  [[nodiscard]] T& operator*() const noexcept { return *get(); }
+
+  /// Refers to @p p and gives the old reference to the caller.
+  [[nodiscard]] intrusive_rc<T> exchange(T* p) noexcept {
+    detail::add_reference(p);
+    return intrusive_rc<T>(moved(replace(p)), false);
+  }
+  /// If it refers to @p expected: refers to @p p and returns true. Else nothing changes.
+  bool compare_exchange(T* expected, T* p) noexcept {
+    detail::add_reference(p);
+    // (10) as replace(): a failure reads nothing that anybody uses.
+    const bool done = p_.compare_exchange_strong(expected, p, std::memory_order_acq_rel,
+                                                 std::memory_order_relaxed);  // (10)
+    detail::drop_reference(done ? expected : p);
+    return done;
+  }
+  /// Becomes null.
+  void reset() noexcept { *this = static_cast<T*>(nullptr); }
+
+  /// Exchanges the references of two slots. No reader of either sees null in between.
+  void swap(rc_slot& other) noexcept {
+    // Another thread may assign either slot meanwhile: what this one puts away is what it finds.
+    T* const mine = get();
+    detail::add_reference(mine);
+    T* const theirs = moved(other.replace(mine));
+    detail::drop_reference(replace(theirs));
+  }
+
+ private:
+  /// Stores @p p, which is counted already; whatever stood here is the caller's.
+  T* replace(T* p) noexcept {
+    // (10) release: publishes the object and its count to (9) and (10); acquire: the caller may be
+    // the one that destroys the old object, which another thread's (10) published.
+    return p_.exchange(p, std::memory_order_acq_rel);
+  }
+  static T* moved(T* p) noexcept {
+    detail::move_reference(p);
+    return p;
+  }
+
+  typename Env::template atomic<T*> p_{nullptr};
+};
+
+/// Whether both point to the same object.
+template <class T, class Env, class U>
+[[nodiscard]] bool operator==(const rc_slot<T, Env>& a, const intrusive_rc<U>& b) noexcept {
+  return a.get() == b.get();
+}
+/// Whether both point to the same object.
+template <class T, class U, class Env>
+[[nodiscard]] bool operator==(const intrusive_rc<T>& a, const rc_slot<U, Env>& b) noexcept {
+  return a.get() == b.get();
+}
+/// Whether they point to different objects.
+template <class T, class Env, class U>
+[[nodiscard]] bool operator!=(const rc_slot<T, Env>& a, const intrusive_rc<U>& b) noexcept {
+  return a.get() != b.get();
+}
+/// Whether they point to different objects.
+template <class T, class U, class Env>
+[[nodiscard]] bool operator!=(const intrusive_rc<T>& a, const rc_slot<U, Env>& b) noexcept {
+  return a.get() != b.get();
+}
+
+/// Exchanges the references of two slots.
+template <class T, class Env>
+void swap(rc_slot<T, Env>& a, rc_slot<T, Env>& b) noexcept {
+  a.swap(b);
+}
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// A side block with room for the record. Does not depend on T until an object is buried.
+template <class T, class Record, class Env>
+class record_block final : public counted_block<Env> {
+ public:
+  using counted_block<Env>::counted_block;
+
+  void bury() noexcept override {
+    const auto* const owner = static_cast<const block_owner<T, Env>*>(this->owner());
+    bury(const_cast<T&>(static_cast<const T&>(*owner)));
+  }
+  void bury(T& object) noexcept {
+    record_.reset();  // of an earlier decision, which was vetoed
+    record_.emplace(object.record());
+  }
+  /// Of a dead block.
+  const Record& record() const noexcept { return *record_; }
+  /// Of an object that nobody buried.
+  void lose_record() noexcept { record_.emplace(); }
+
+ private:
+  std::optional<Record> record_;
+};
+
+}  // namespace detail
+
+/// Base class of objects that leave a record, beside rc_object:
+///
+/// ```
+/// class KeyFrame : public slamgc::rc_object<KeyFrame, slamgc::fetch_add_counter, slamgc::reclaim_retired>,
+///                  public slamgc::enable_anchor<KeyFrame, PoseRecord> {
+///  public:
+///   PoseRecord record() { return {mnId, mTcp, slamgc::anchor<KeyFrame, PoseRecord>(mpParent)}; }
+/// ```
+///
+/// `record()` is called by a collector when nobody can see the object any more, before it and what dies with it loses an
+/// edge; more than once, if somebody locks the object at the last moment. It may take the program's locks that edges() may take, must not
+/// throw, and should be quick. Weak handles to these objects work, too.
+///
+/// Adds one pointer; each object has a side block with room for the record, which is allocated with it, so that its end needs
+/// no memory. A copy of an object has a block of its own; assignment leaves it alone.
+///
+/// A program that itself deletes an object to which there are anchors says bury() first, in the class's destructor at the
+/// latest, and that no thread uses it then. If it does not, that is reported, and the record is `Record()`.
+///
+/// @tparam T      The class that derives from rc_object, with reclaim_deferred or reclaim_retired.
+/// @tparam Record What `T::record()` returns; default constructible and movable. It may hold anchors, to a parent or a
+///                predecessor, but not in a circle: records are counted, and nobody looks for cycles among them.
+/// @tparam Env    The environment of T's counter policy.
+template <class T, class Record, class Env>
+class enable_anchor : public detail::block_owner<T, Env> {
+ protected:
+  /// Allocates the block. Throws std::bad_alloc.
+  enable_anchor() : detail::block_owner<T, Env>(make_block()) {
+    static_assert(detail::is_deferred<T>::value,
+                  "slamgc: anchors need a deferred reclaimer: another thread could destroy the "
+                  "object before it is read");
+  }
+  /// A copy is a new object.
+  enable_anchor(const enable_anchor&) : enable_anchor() {}
+  /// Anchors refer to the object, not to its value: nothing changes.
+  enable_anchor& operator=(const enable_anchor&) noexcept { return *this; }
+  /// Reports if anchors are left and there is no record.
+  ~enable_anchor() {
+    block& mine = my_block();
+    if (mine.is_dead()) return;
+    SLAMGC_ASSERT(mine.use_count() == 1,
+                  (misuse{"deletes an object that anchors refer to, without bury()",
+                          detail::type_name<T>::get(), this, mine.use_count() - 1}));
+    mine.lose_record();
+  }
+
+  /// For an object that the program itself deletes: makes its record now, and lets its handles expire. Nothing
+  /// happens if it has one already.
+  void bury() noexcept {
+    block& mine = my_block();
+    if (mine.is_dead()) return;
+    mine.bury(static_cast<T&>(*this));
+    mine.expire();
+  }
+
+ private:
+  using block = detail::record_block<T, Record, Env>;
+  friend class anchor<T, Record, Env>;
+
+  intrusive_rc<detail::counted_block<Env>> make_block() const {
+    return intrusive_rc<detail::counted_block<Env>>(
+        new block(static_cast<const detail::block_owner<T, Env>*>(this)));
+  }
+  block& my_block() const noexcept { return static_cast<block&>(*this->get()); }
+};
+
+/// Refers to an object without keeping it, and to the record that it leaves when it is reclaimed.
+///
+/// Whoever reads it gets one of the two. The records of objects that die together are all there before one of them loses
+/// an edge, and records may hold anchors themselves: a chain of them keeps each hop, in whatever order the objects go.
+/// `sizeof(anchor<T, Record>) == sizeof(T*)`. For expiry see weak_rc.
+///
+/// Thread-safety: as `std::shared_ptr`: different anchors by any threads at any time; one that somebody changes needs the
+/// program's lock. A record does not change. All operations are lock-free and O(1).
+template <class T, class Record, class Env>
+class anchor {
+ public:
+  using element_type = T;      ///< What it refers to.
+  using record_type = Record;  ///< What is left of it.
+
+  /// Null: refers to nothing.
+  constexpr anchor() noexcept = default;
+  /// Null: refers to nothing.
+  constexpr anchor(std::nullptr_t) noexcept {}
+  /// Refers to @p p. By an online mutator of the object's domain, or who holds a counted reference.
+  explicit anchor(T* p) noexcept
+      : block_(p != nullptr ? detail::owner_of<Env>(*p).get() : nullptr) {
+    static_assert(
+        std::is_base_of<enable_anchor<T, Record, Env>, T>::value,
+        "slamgc: an anchor<T, Record> refers to a T that derives from enable_anchor<T, Record>");
+  }
+  /// Refers to the same object.
+  anchor(const intrusive_rc<T>& p) noexcept : anchor(p.get()) {}
+  /// Refers to the same object.
+  anchor(const rc_slot<T, Env>& p) noexcept : anchor(p.get()) {}
+
+  /// Whether it refers to an object or a record.
+  [[nodiscard]] explicit operator bool() const noexcept { return block_ != nullptr; }
+
+  /// Calls `on_object(T&)`, and keeps the object meanwhile; or `on_record(const Record&)`, if the object has expired.
+  /// Returns what they return. On an online mutator of the object's domain. Not of a null anchor.
+  template <class OnObject, class OnRecord>
+  std::common_type_t<std::invoke_result_t<OnObject, T&>,
+                     std::invoke_result_t<OnRecord, const Record&>>
+  read(OnObject&& on_object, OnRecord&& on_record) const {
+    SLAMGC_ASSERT(block_ != nullptr,
+                  (misuse{"reads a null anchor", detail::type_name<T>::get(), nullptr, 0}));
+    if (const intrusive_rc<T> object = lock()) return std::forward<OnObject>(on_object)(*object);
+    return std::forward<OnRecord>(on_record)(my_block().record());
+  }
+  /// A reference to the object, or null if it has expired. On an online mutator of the object's domain.
+  [[nodiscard]] intrusive_rc<T> lock() const noexcept {
+    SLAMGC_ASSERT(block_ == nullptr || runtime::participants<Env>::borrower() != nullptr,
+                  (misuse{"reads an anchor on a thread that is no online mutator",
+                          detail::type_name<T>::get(), block_.get(), 0}));
+    if (block_ == nullptr) return nullptr;
+    return intrusive_rc<T>(detail::lock<T>(*block_), false);
+  }
+  /// The record, or null while the object has not expired. Valid as long as an anchor to it exists. By any thread.
+  [[nodiscard]] const Record* record() const noexcept {
+    return block_ != nullptr && block_->is_dead() ? &my_block().record() : nullptr;
+  }
+
+  /// Becomes null.
+  void reset() noexcept { block_.reset(); }
+  /// Exchanges two anchors.
+  void swap(anchor& other) noexcept { block_.swap(other.block_); }
+
+  /// Whether both refer to the same object, dead or alive, or both are null.
+  [[nodiscard]] friend bool operator==(const anchor& a, const anchor& b) noexcept {
+    return a.block_ == b.block_;
+  }
+  /// Whether they refer to different objects.
+  [[nodiscard]] friend bool operator!=(const anchor& a, const anchor& b) noexcept {
+    return a.block_ != b.block_;
+  }
+
+ private:
+  const detail::record_block<T, Record, Env>& my_block() const noexcept {
+    return static_cast<const detail::record_block<T, Record, Env>&>(*block_);
+  }
+
+  intrusive_rc<detail::counted_block<Env>> block_;
+};
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/atomic_rc.hpp ----
+/// @file
+/// A counted member that hands out references of the reader's own.
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
 
 /// Like rc_slot, plus load(), which returns a counted reference, and compare-and-exchange: what
 /// `std::atomic<std::shared_ptr<T>>` is, without a lock.
@@ -3616,8 +5628,6 @@ class borrow {
 // ---- slamgc/detail/counted_container.hpp ----
 /// @file
 /// What all counted containers share: reading, and the ways in which counts follow a change.
-
-#include <memory>
 
 // ---- slamgc/detail/edit_scope.hpp ----
 /// @file
@@ -3912,7 +5922,16 @@ class counted_container {
     for (const value_type& value : content) detail::drop_reference(reference_of(value));
   }
 
+  friend struct container_access;
   Std std_;
+};
+
+/// For registries, which take the content out without touching each reference.
+struct container_access {
+  template <class T, class Std, class Reference, class Iterator>
+  static Std& content_of(counted_container<T, Std, Reference, Iterator>& c) noexcept {
+    return c.std_;
+  }
 };
 
 /// Only for iterators: what can be read and advanced.
@@ -4623,65 +6642,6 @@ class rc_unordered_set
 /// @file
 /// A map whose mapped values are counted references.
 
-// ---- slamgc/detail/element_ref.hpp ----
-/// @file
-/// An element of a counted container, as an expression that can be read and assigned.
-
-namespace slamgc {
-inline namespace SLAMGC_FLAVOUR {
-namespace detail {
-
-/// What `v[i]` is where `v` is an rc_vector: reads like a `T*`, and counts when it is assigned.
-///
-/// Assignment is an atomic exchange, as in rc_slot: two threads that assign one element each release
-/// another old pointer, even where the program forgot its lock. Not for keeping: like any reference
-/// to an element it dies with the next change of the container's size, and `auto p = v[i];` copies
-/// the reference, not the pointer.
-template <class T>
-class element_ref {
- public:
-  /// Refers to @p element.
-  explicit element_ref(T*& element) noexcept : element_(element) {}
-  /// Refers to the same element.
-  element_ref(const element_ref&) noexcept = default;
-
-  /// The pointer, borrowed: for a reader that does not hold the lock of the container.
-  [[nodiscard]] T* get() const noexcept { return policy_of<T>::env::load(element_); }
-  /// The pointer, borrowed, under the lock of the container: a plain read.
-  [[nodiscard]] operator T*() const noexcept { return element_; }
-  /// The object's members. Not for null.
-  [[nodiscard]] T* operator->() const noexcept { return *this; }
-  /// The object. Not for null.
-  [[nodiscard]] T& operator*() const noexcept { return *static_cast<T*>(*this); }
-
-  /// The element refers to @p p.
-  const element_ref& operator=(T* p) const noexcept {
-    detail::add_reference(p);
-    detail::drop_reference(policy_of<T>::env::exchange(element_, p));
-    return *this;
-  }
-  /// The element refers to what @p other refers to now.
-  element_ref& operator=(const element_ref& other) noexcept {
-    *this = other.get();
-    return *this;
-  }
-  /// Exchanges the pointers of two elements.
-  friend void swap(element_ref a, element_ref b) noexcept {
-    T* const from_a = a.get();
-    detail::add_reference(from_a);  // it is in neither element for a moment
-    a = b.get();
-    b = from_a;
-    detail::drop_reference(from_a);
-  }
-
- private:
-  T*& element_;
-};
-
-}  // namespace detail
-}  // namespace SLAMGC_FLAVOUR
-}  // namespace slamgc
-
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
@@ -4936,6 +6896,21 @@ class rc_vector
     for (auto i = n; i != 0; --i) pop_back();
     return from;
   }
+  /// Removes the elements for which @p gone(p) holds; the others keep their order. Calls it once for each element, in
+  /// order. Returns how many were removed. O(size).
+  template <class Predicate>
+  size_type remove_if(Predicate gone) {
+    const detail::counted_scope<T> until_final;
+    size_type kept = 0;
+    for (size_type i = 0; i != std_.size(); ++i) {
+      if (gone(std_[i])) continue;
+      if (kept != i) std::swap(std_[kept], std_[i]);
+      ++kept;
+    }
+    const size_type removed = std_.size() - kept;
+    while (std_.size() != kept) pop_back();
+    return removed;
+  }
   /// As in Std: keeps the capacity.
   void clear() noexcept { this->clear_content(); }
   /// Exchanges the elements of two vectors: O(size), as each reference changes its place.
@@ -4971,6 +6946,30 @@ class rc_vector
 
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
+// ---- slamgc/edges.hpp ----
+/// @file
+/// Describing the edges of an object: what a collector needs to know to find cycles.
+///
+/// ```
+/// struct KeyFrame : slamgc::rc_object<KeyFrame, slamgc::fetch_add_counter, slamgc::reclaim_retired> {
+///   template <class Visitor>
+///   void edges(Visitor& v) {
+///     {
+///       const std::lock_guard<std::mutex> lock(mMutexFeatures);
+///       v.edge("mvpMapPoints", mvpMapPoints);
+///     }
+///     const std::lock_guard<std::mutex> lock(mMutexConnections);
+///     v.edge("mpParent", mpParent);
+///     for (auto& list : mvGrid) v.edge("mvGrid", list);
+///   }
+/// ```
+///
+/// One function per type names each counted member once. It takes the program's own locks, since other threads may
+/// change the members meanwhile; it may be called on any thread that collects, at any time while the object exists; it
+/// must not change, count or destroy anything itself, nor throw. Edges do not lead into another domain.
+/// collect() must not be called under a lock that an edges() takes. A member that is left out, or named twice, makes
+/// objects live on that nobody needs; it never makes one die too early.
+
 // ---- slamgc/mutator.hpp ----
 /// @file
 /// Threads that hold borrowed pointers.
@@ -5017,6 +7016,7 @@ class basic_mutator {
             *me_.domain, [this](const runtime::participant<Env>& p) { return &p == &me_; })),
         (misuse{"ends a mutator on another thread than its own", "mutator", this, 0}));
     go_offline();
+    while (me_.roots != nullptr) me_.roots->leave();
     me_.domain->leave(record_);
     me_.domain->release();
   }
@@ -5029,8 +7029,9 @@ class basic_mutator {
     SLAMGC_ASSERT(me_.online, (misuse{"is quiescent while offline", "mutator", this, 0}));
     if (!me_.online) return;
     me_.publish();
-    me_.domain->quiescent(record_);
+    const bool first_since_a_grace_period_began = me_.domain->quiescent(record_);
     gave_up_borrowed();
+    if (first_since_a_grace_period_began && me_.roots != nullptr) me_.join_purge();
   }
   /// Whether the thread may hold borrowed pointers now.
   [[nodiscard]] bool is_online() const noexcept { return me_.online; }
@@ -5075,12 +7076,15 @@ class basic_mutator {
   };
 
  private:
+  friend struct detail::mutator_access;
+
   void go_online() noexcept {
     me_.domain->go_online(record_);
     me_.online = true;
     gave_up_borrowed();
   }
   void go_offline() noexcept {
+    if (me_.roots != nullptr) me_.join_purge();
     me_.online = false;
     me_.publish();
     me_.domain->go_offline(record_);
@@ -5097,6 +7101,16 @@ class basic_mutator {
   runtime::participation<Env> taking_part_;
 };
 
+namespace detail {
+
+struct mutator_access {
+  template <class Env>
+  static runtime::participant<Env>& part_of(basic_mutator<Env>& m) noexcept {
+    return m.me_;
+  }
+};
+
+}  // namespace detail
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
 // ---- slamgc/pin.hpp ----
@@ -5123,150 +7137,122 @@ using pin_set = rc_vector<T>;
 
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
-// ---- slamgc/rc_slot.hpp ----
+// ---- slamgc/registry.hpp ----
 /// @file
-/// The counted pointer for members: an edge of the graph.
+/// Registries: containers that own the life of what they hold, and the death of a whole map.
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
+namespace detail {
 
-/// Counted pointer for a member of an object: what was `KeyFrame* mpParent;` becomes
-/// `slamgc::rc_slot<KeyFrame> mpParent;`, and the code that uses it stays.
-///
-/// Reading is a load and gives a borrowed pointer, exactly as a raw member does. Assignment is an
-/// atomic exchange, unless the pointer is there already: several threads may assign one slot without a
-/// lock, and each old pointer is released once. It is as large as a pointer; `T` may be incomplete where the member is declared.
-///
-/// Thread-safety: any thread may read or assign at any time. A pointer that was *read* is safe to use
-/// or to count only while something else keeps the object: a lock under which all writers assign, a
-/// reference of the reader's own, or a grace period. Copying, moving and swapping read the other
-/// slot, so the same holds for them. All operations are O(1), apart from a destructor that the last
-/// reference sets off.
-template <class T, class Env>
-class rc_slot {
-  static_assert(!std::is_pointer<T>::value,
-                "slamgc: write rc_slot<KeyFrame>, not rc_slot<KeyFrame*>");
-
+/// What a registry held when it was cleared: the collector retires and drops it, one by one.
+template <class T, class Std, class Reference>
+class dropped_content final : public runtime::dropped_base<typename policy_of<T>::env> {
  public:
-  /// What it points to.
-  using element_type = T;
+  explicit dropped_content(Std&& content) noexcept : content_(std::move(content)) {}
 
-  /// Null.
-  constexpr rc_slot() noexcept = default;
-  /// Null. A template, so that `NULL` is taken as a pointer.
-  template <class Null, class = std::enable_if_t<std::is_same<Null, std::nullptr_t>::value>>
-  constexpr rc_slot(Null) noexcept {}
-  /// Refers to @p p. Explicit, so that `condition ? slot : pointer` stays a pointer.
-  explicit rc_slot(T* p) noexcept : p_((detail::add_reference(p), p)) {}
-  /// Refers to the same object as @p p, as its base or as const.
-  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
-  explicit rc_slot(const intrusive_rc<U>& p) noexcept : rc_slot(static_cast<T*>(p.get())) {}
-  /// Takes over the reference of @p p, as its base or as const.
-  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
-  explicit rc_slot(intrusive_rc<U>&& p) noexcept : p_(moved(p.detach())) {}
-  /// Another reference to the same object.
-  rc_slot(const rc_slot& other) noexcept : rc_slot(other.get()) {}
-  /// Moves the reference here; @p other becomes null.
-  rc_slot(rc_slot&& other) noexcept : p_(moved(other.replace(nullptr))) {}
-  /// Removes the reference.
-  ~rc_slot() { detail::drop_reference(replace(nullptr)); }
-
-  /// Refers to @p p. Costs a load if it does already: references that are set in every frame mostly do.
-  rc_slot& operator=(T* p) noexcept {
-    if (get() == p) return *this;
-    detail::add_reference(p);
-    detail::drop_reference(replace(p));
-    return *this;
-  }
-  /// Refers to the same object as @p other.
-  rc_slot& operator=(const rc_slot& other) noexcept { return *this = other.get(); }
-  /// Moves the reference here; @p other becomes null.
-  rc_slot& operator=(rc_slot&& other) noexcept {
-    detail::drop_reference(replace(moved(other.replace(nullptr))));
-    return *this;
-  }
-  /// Refers to the same object as @p p, as its base or as const.
-  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
-  rc_slot& operator=(const intrusive_rc<U>& p) noexcept {
-    return *this = static_cast<T*>(p.get());
-  }
-  /// Takes over the reference of @p p, as its base or as const.
-  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
-  rc_slot& operator=(intrusive_rc<U>&& p) noexcept {
-    detail::drop_reference(replace(moved(p.detach())));
-    return *this;
-  }
-
-  /// The pointer: borrowed.
-  [[nodiscard]] T* get() const noexcept {
-    return p_.load(std::memory_order_acquire);  // (9) sees the object that (10) published.
-  }
-  /// The pointer: borrowed.
-  [[nodiscard]] operator T*() const noexcept { return get(); }
-  /// The object's members. Not for a null slot.
-  [[nodiscard]] T* operator->() const noexcept { return get(); }
-  /// The object. Not for a null slot.
-  [[nodiscard]] T& operator*() const noexcept { return *get(); }
-
-  /// Refers to @p p and gives the old reference to the caller.
-  [[nodiscard]] intrusive_rc<T> exchange(T* p) noexcept {
-    detail::add_reference(p);
-    return intrusive_rc<T>(moved(replace(p)), false);
-  }
-  /// Becomes null.
-  void reset() noexcept { *this = static_cast<T*>(nullptr); }
-
-  /// Exchanges the references of two slots. No reader of either sees null in between.
-  void swap(rc_slot& other) noexcept {
-    // Another thread may assign either slot meanwhile: what this one puts away is what it finds.
-    T* const mine = get();
-    detail::add_reference(mine);
-    T* const theirs = moved(other.replace(mine));
-    detail::drop_reference(replace(theirs));
+  bool drop(runtime::work_limit<typename policy_of<T>::env>& limit) noexcept override {
+    while (!content_.empty()) {
+      T* gone;
+      if constexpr (ends_with_pop_back<Std>::value) {
+        gone = Reference()(content_.back());
+        content_.pop_back();
+      } else {
+        gone = Reference()(*content_.begin());
+        content_.erase(content_.begin());
+      }
+      slamgc::retire(gone);
+      detail::drop_reference(gone);
+      if (!limit.spend()) return false;
+    }
+    return true;
   }
 
  private:
-  /// Stores @p p, which is counted already; whatever stood here is the caller's.
-  T* replace(T* p) noexcept {
-    // (10) release: publishes the object and its count to (9) and (10); acquire: the caller may be
-    // the one that destroys the old object, which another thread's (10) published.
-    return p_.exchange(p, std::memory_order_acq_rel);
-  }
-  static T* moved(T* p) noexcept {
-    detail::move_reference(p);
-    return p;
-  }
-
-  typename Env::template atomic<T*> p_{nullptr};
+  Std content_;
 };
 
-/// Whether both point to the same object.
-template <class T, class Env, class U>
-[[nodiscard]] bool operator==(const rc_slot<T, Env>& a, const intrusive_rc<U>& b) noexcept {
-  return a.get() == b.get();
-}
-/// Whether both point to the same object.
-template <class T, class U, class Env>
-[[nodiscard]] bool operator==(const intrusive_rc<T>& a, const rc_slot<U, Env>& b) noexcept {
-  return a.get() == b.get();
-}
-/// Whether they point to different objects.
-template <class T, class Env, class U>
-[[nodiscard]] bool operator!=(const rc_slot<T, Env>& a, const intrusive_rc<U>& b) noexcept {
-  return a.get() != b.get();
-}
-/// Whether they point to different objects.
-template <class T, class U, class Env>
-[[nodiscard]] bool operator!=(const intrusive_rc<T>& a, const rc_slot<U, Env>& b) noexcept {
-  return a.get() != b.get();
+}  // namespace detail
+
+/// A counted container that owns the life of its objects: what it holds when it is cleared or destroyed is retired.
+/// `registry<rc_set<KeyFrame>>` in the place of ORB-SLAM3's `Map::mspKeyFrames` makes of `Map::clear`, which forgets a whole
+/// map, the death of that map.
+///
+/// clear() and the destructor take O(1), whatever the size: they hand the container over to the domain, whose collectors retire
+/// and drop its objects in slices. (If there is no memory for that, or if moving the container could throw, it is done at
+/// once, object by object.) Until then the references stay counted. Taking single objects out, by erase() and the like, retires
+/// nothing. Not copied, assigned or moved as a whole.
+///
+/// Belongs to the domain that is current on the thread that makes it, as objects do.
+/// Thread-safety and costs: otherwise those of @p Container.
+template <class Container, class Env>
+class registry : public Container {
+ public:
+  using Container::Container;
+  /// Empty. Throws std::bad_alloc.
+  registry() = default;
+  registry(const registry&) = delete;
+  registry& operator=(const registry&) = delete;
+  /// Retires what it holds. O(1).
+  ~registry() {
+    clear();
+    state_.release();
+  }
+
+  /// Retires what it holds, and becomes empty. O(1).
+  void clear() noexcept {
+    using content = typename Container::std_type;
+    using to_pointer = typename detail::edge_container<Container>::reference;
+    using object =
+        std::remove_pointer_t<decltype(to_pointer()(*std::declval<const content&>().begin()))>;
+    static_assert(detail::is_deferred<object>::value,
+                  "slamgc: what a registry holds needs a deferred reclaimer");
+    content& mine = detail::container_access::content_of(*this);
+    if (mine.empty()) return;
+    if constexpr (std::is_nothrow_move_constructible<content>::value) {
+      using batch = detail::dropped_content<object, content, to_pointer>;
+      if (auto* const dropped = new (std::nothrow) batch(std::move(mine))) {
+        mine.clear();
+        state_.collection.drop(*dropped);
+        return;
+      }
+    }
+    retire_all();
+    Container::clear();
+  }
+
+ private:
+  friend struct detail::edge_member<registry>;
+
+  void retire_all() noexcept {
+    detail::edge_container<Container>::each(*this, [](auto* p) { slamgc::retire(p); });
+  }
+  static runtime::domain_state<Env>& retained(runtime::domain_state<Env>& state) noexcept {
+    state.retain();
+    return state;
+  }
+
+  runtime::domain_state<Env>& state_ = retained(detail::current_domain<Env>());
+};
+
+/// Retires all that these registries hold: the death of a whole map. O(registries).
+template <class... Registries>
+void drop_map(Registries&... registries) noexcept {
+  (..., registries.clear());
 }
 
-/// Exchanges the references of two slots.
-template <class T, class Env>
-void swap(rc_slot<T, Env>& a, rc_slot<T, Env>& b) noexcept {
-  a.swap(b);
-}
+namespace detail {
 
+template <class Container, class Env>
+struct edge_member<registry<Container, Env>> : edge_member<Container> {
+  /// At once: what else dies with it must not be referred to from elsewhere.
+  static void sever(registry<Container, Env>& member) noexcept {
+    member.retire_all();
+    edge_member<Container>::sever(member);
+  }
+};
+
+}  // namespace detail
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
 // ---- slamgc/retire_set.hpp ----
@@ -5393,6 +7379,100 @@ class retire_set {
 
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
+// ---- slamgc/root.hpp ----
+/// @file
+/// Roots: where references from outside the graph are, for those who look for stale edges and for reports.
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// Tells a domain of a part of the program that keeps counted references: a registry, a queue, the members of a thread.
+///
+/// ```
+/// struct Map {
+///   template <class Visitor>
+///   void edges(Visitor& v) {
+///     const std::lock_guard<std::mutex> lock(mMutexMap);
+///     v.edge("mspKeyFrames", mspKeyFrames, slamgc::on_retire::erase);
+///   }
+///   std::mutex mMutexMap;
+///   slamgc::rc_set<KeyFrame> mspKeyFrames;
+///   slamgc::root root_{"Map", *this};  // last: ends first
+/// };
+/// ```
+///
+/// The part describes its references as an object does its edges (edges.hpp). Purges start here: what no path of described edges
+/// leads to from a root is not purged of stale edges. Nothing else depends on roots: what they refer to is counted.
+///
+/// Thread-safety: made and ended by any thread at any time. Without an owner, edges() is called by whichever thread collects, and
+/// takes the program's locks; the root's end waits for such a call, so it must not come under one of these locks. With an
+/// owner, edges() is called by the owner's thread alone, at its quiescent states and when it goes offline, and needs no lock;
+/// the root is made and ended by that thread. Made in O(roots ever at once).
+template <class Env>
+class basic_root {
+ public:
+  /// A root of @p of. @p described has `template <class V> void edges(V&)` and stays where it is; @p name
+  /// stays valid, as a string literal does. Throws std::bad_alloc.
+  template <class Described>
+  basic_root(basic_domain<Env>& of, const char* name, Described& described)
+      : state_(detail::domain_access::state_of(of)), place_(state_.collection.roots().take()) {
+    put(name, described);
+  }
+  /// A root of the domain that is current on the calling thread: where the objects that it makes belong.
+  template <class Described>
+  basic_root(const char* name, Described& described)
+      : state_(detail::current_domain<Env>()), place_(state_.collection.roots().take()) {
+    put(name, described);
+  }
+  /// A root of @p owner's domain that only the owner's thread touches.
+  template <class Described>
+  basic_root(basic_mutator<Env>& owner, const char* name, Described& described)
+      : state_(*detail::mutator_access::part_of(owner).domain),
+        place_(state_.collection.roots().take()) {
+    place_.join(detail::mutator_access::part_of(owner));
+    put(name, described);
+  }
+  /// Waits while a collector is in edges().
+  ~basic_root() {
+    place_.leave();
+    runtime::root_list<Env>::remove(place_);
+    state_.release();
+  }
+  /// Asks the domain's collections to find, among the objects that this root refers to, those that nothing else needs:
+  /// referred to by this root, by one another, and by other roots for which the same was asked, and by nobody else. They are
+  /// *retired*; so a purge takes them out of the root, if its description says so, and they are reclaimed.
+  ///
+  /// For a registry that lists all objects of a graph: a safety net for what the program dropped and forgot to retire. (Not
+  /// for one that is the only thing that keeps a map, such as ORB-SLAM3's `Map::mspKeyFrames` while no thread holds any of
+  /// them.) Returns at once. It takes O(objects of the root + their edges) of collect(), in slices but for the root's own
+  /// containers, and two grace periods. Objects with a pin, or in a container that no edges() describes, stay. Not for a root
+  /// with an owner: it does nothing there.
+  void collect_cycles() noexcept {
+    if (!place_.owned) state_.collection.roots().want_suspicion(place_);
+  }
+
+  basic_root(const basic_root&) = delete;
+  basic_root& operator=(const basic_root&) = delete;
+
+ private:
+  template <class Described>
+  void put(const char* name, Described& described) noexcept {
+    static_assert(detail::has_edges<Described>::value,
+                  "slamgc: a root needs `template <class V> void edges(V& v)`");
+    state_.retain();
+    place_.name = name;
+    place_.described = &described;
+    place_.operations = &detail::operations_on<Described, Env>::table;
+    place_.owned = place_.owner != nullptr;
+    runtime::root_list<Env>::put(place_);
+  }
+
+  runtime::domain_state<Env>& state_;
+  runtime::root_place<Env>& place_;
+};
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
 // ---- slamgc/scoped_count.hpp ----
 /// @file
 /// The thesis's way to count what a function uses.
@@ -5467,3 +7547,158 @@ class scoped_count {
 #define SLAMGC_VERSION_MINOR 2
 /// Changes with corrections.
 #define SLAMGC_VERSION_PATCH 0
+// ---- slamgc/weak_rc.hpp ----
+/// @file
+/// Handles that do not keep their object.
+
+#include <functional>
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// Base class of objects that weak handles may refer to, beside rc_object:
+///
+/// ```
+/// class KeyFrame : public slamgc::rc_object<KeyFrame, slamgc::fetch_add_counter, slamgc::reclaim_retired>,
+///                  public slamgc::enable_weak_rc<KeyFrame> {
+/// ```
+///
+/// Adds one pointer. The first weak handle to an object allocates its side block, of 56 bytes on 64-bit systems. A copy of an
+/// object has no weak handles; assignment leaves them alone. Types without it pay nothing.
+///
+/// A program that itself deletes an object says that no thread uses it, not by a weak handle either; handles that
+/// are left expire.
+///
+/// @tparam T   The class that derives from rc_object, with reclaim_deferred or reclaim_retired.
+/// @tparam Env The environment of its counter policy.
+template <class T, class Env>
+class enable_weak_rc : public detail::block_owner<T, Env> {
+ protected:
+  /// No weak handle yet.
+  enable_weak_rc() noexcept {
+    static_assert(
+        detail::is_deferred<T>::value,
+        "slamgc: weak handles need a deferred reclaimer: another thread could destroy the "
+        "object before lock() has counted it");
+  }
+  /// A copy is a new object.
+  enable_weak_rc(const enable_weak_rc&) noexcept : enable_weak_rc() {}
+  /// Handles refer to the object, not to its value: nothing changes.
+  enable_weak_rc& operator=(const enable_weak_rc&) noexcept { return *this; }
+  ~enable_weak_rc() = default;
+};
+
+/// Refers to an object without keeping it: what `std::weak_ptr` is. `sizeof(weak_rc<T>) == sizeof(T*)`.
+///
+/// A plain pointer says nothing about identity across quiescent states, because addresses are used again. A weak handle
+/// does: handles are equal if they refer to the same object, for ever, also after it is gone.
+///
+/// **Expiry.** The handles of an object expire all at once, and for ever, when a collector has found that nobody can see the
+/// object but by weak handles; those of objects that only refer to each other expire by one decision: if one of them is locked
+/// in time, all live on. While a counted reference exists, handles have not expired, with one exception. A *retired* object
+/// (or one that is found at a count of zero again and again) that is disturbed in 4 rounds of collection, by references that come
+/// and go, expires although it may still be referred to: otherwise a thread that polls lock() could keep it for ever.
+///
+/// Thread-safety: as `std::shared_ptr`: different handles by any threads at any time; one handle that somebody
+/// changes needs the program's lock. All operations are lock-free and O(1).
+template <class T, class Env>
+class weak_rc {
+ public:
+  using element_type = T;  ///< What it refers to.
+
+  /// Null: refers to nothing, and is expired.
+  constexpr weak_rc() noexcept = default;
+  /// Null: refers to nothing, and is expired.
+  constexpr weak_rc(std::nullptr_t) noexcept {}
+  /// Refers to @p p. By an online mutator of the object's domain, or who holds a counted reference. Throws
+  /// std::bad_alloc, if it is the object's first.
+  explicit weak_rc(T* p) : block_(p != nullptr ? block_of(*p) : nullptr) {}
+  /// Refers to the same object.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  weak_rc(const intrusive_rc<U>& p) : weak_rc(static_cast<T*>(p.get())) {}
+  /// Refers to the same object.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  weak_rc(const rc_slot<U, Env>& p) : weak_rc(static_cast<T*>(p.get())) {}
+  /// Refers to the same object, as its base or as const.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value &&
+                                              !std::is_same<U, T>::value>>
+  weak_rc(const weak_rc<U, Env>& other) noexcept : block_(other.block_) {}
+
+  /// A reference to the object, or null if it has expired. On an online mutator of the object's domain.
+  ///
+  /// What it returns is counted as any other reference. A pointer taken from it is borrowed.
+  [[nodiscard]] intrusive_rc<T> lock() const noexcept {
+    SLAMGC_ASSERT(block_ == nullptr || runtime::participants<Env>::borrower() != nullptr,
+                  (misuse{"locks a weak handle on a thread that is no online mutator",
+                          detail::type_name<T>::get(), block_.get(), 0}));
+    if (block_ == nullptr) return nullptr;
+    using object = detail::object_of<T>;
+    return intrusive_rc<T>(static_cast<T*>(detail::lock<object>(*block_)), false);
+  }
+  /// Whether lock() will return null, now and for ever. False says nothing about later.
+  [[nodiscard]] bool expired() const noexcept { return block_ == nullptr || block_->is_dead(); }
+
+  /// Becomes null.
+  void reset() noexcept { block_.reset(); }
+  /// Exchanges two handles.
+  void swap(weak_rc& other) noexcept { block_.swap(other.block_); }
+
+  /// Whether both refer to the same object, dead or alive, or both are null.
+  template <class U>
+  [[nodiscard]] bool owner_equal(const weak_rc<U, Env>& other) const noexcept {
+    return block_ == other.block_;
+  }
+  /// An order of objects, dead or alive, which stays the same as long as handles to them exist.
+  template <class U>
+  [[nodiscard]] bool owner_before(const weak_rc<U, Env>& other) const noexcept {
+    return block_ < other.block_;
+  }
+  /// A hash that goes with owner_equal().
+  [[nodiscard]] std::size_t owner_hash() const noexcept {
+    return std::hash<const void*>()(block_.get());
+  }
+
+ private:
+  using block = detail::counted_block<Env>;
+  template <class U, class OtherEnv>
+  friend class weak_rc;
+
+  static intrusive_rc<block> block_of(const T& p) {
+    return intrusive_rc<block>(&detail::owner_of<Env>(p).get_or_make());
+  }
+
+  intrusive_rc<block> block_;
+};
+
+/// Exchanges two handles.
+template <class T, class Env>
+void swap(weak_rc<T, Env>& a, weak_rc<T, Env>& b) noexcept {
+  a.swap(b);
+}
+/// Whether both refer to the same object, dead or alive, or both are null.
+template <class T, class U, class Env>
+[[nodiscard]] bool operator==(const weak_rc<T, Env>& a, const weak_rc<U, Env>& b) noexcept {
+  return a.owner_equal(b);
+}
+/// Whether they refer to different objects.
+template <class T, class U, class Env>
+[[nodiscard]] bool operator!=(const weak_rc<T, Env>& a, const weak_rc<U, Env>& b) noexcept {
+  return !a.owner_equal(b);
+}
+/// An order of objects, dead or alive.
+template <class T, class U, class Env>
+[[nodiscard]] bool operator<(const weak_rc<T, Env>& a, const weak_rc<U, Env>& b) noexcept {
+  return a.owner_before(b);
+}
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+/// The hash of the object's identity, which its end does not change.
+template <class T, class Env>
+struct std::hash<slamgc::weak_rc<T, Env>> {
+  /// The hash of the object's identity.
+  [[nodiscard]] std::size_t operator()(const slamgc::weak_rc<T, Env>& w) const noexcept {
+    return w.owner_hash();
+  }
+};

@@ -35,9 +35,7 @@ struct current_place {
 
  private:
   __attribute__((noinline)) void find(const runtime::participants<env>& now) {
-    const runtime::participant<env>* const me = now.innermost;
-    table = &zero_count_table<T>::in(
-        me != nullptr ? *me->domain : domain_access::state_of(basic_default_domain<env>()));
+    table = &zero_count_table<T>::in(detail::current_domain<env>());
     runtime::participant<env>* ignored;
     door = &table->my_door(ignored);
     key = now.current + 1;
@@ -63,6 +61,8 @@ bool may_borrow_from(const runtime::domain_state<Env>& domain) noexcept {
 /// What both reclaimers do. `AtZero`: an object that was not retired is reclaimed, too.
 template <bool AtZero>
 struct deferred : deferred_base {
+  static constexpr bool at_zero = AtZero;
+
   /// Removes a reference. An object that nobody refers to waits for a collector. Lock-free; never
   /// allocates, destroys or fails.
   template <class T>

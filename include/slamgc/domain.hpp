@@ -56,7 +56,7 @@ class basic_domain {
   /// collecting; mutators may outlive it.
   ~basic_domain() {
     if (!never_reclaims()) {
-      const collected last = state_->collection.collect(*state_, {});
+      const collected last = state_->collection.collect(*state_, {}, true);
       SLAMGC_ASSERT(last.result != outcome::busy,
                     (misuse{"ends a domain that is being collected", "domain", this, 0}));
       (void)last;
@@ -75,14 +75,7 @@ class basic_domain {
   /// Destructors run on the calling thread, outside of any lock; they may retire, make and count objects, and
   /// call collect(), which does nothing then. One thread collects at a time. Objects that enter while a grace period
   /// is open wait for the next one. O(objects handled + types + mutators).
-  collected collect(budget limit = {}) noexcept {
-    if (never_reclaims()) {
-      SLAMGC_ASSERT(false, (misuse{"collects on a thread that never reclaims", "domain", this, 0}));
-      state_->collection.refuse();
-      return {outcome::refused, 0};
-    }
-    return state_->collection.collect(*state_, limit);
-  }
+  collected collect(budget limit = {}) noexcept { return collect(limit, false); }
 
   /// Waits for a grace period: afterwards nobody holds a pointer that was borrowed through a reference
   /// which was unlinked before.
@@ -102,7 +95,7 @@ class basic_domain {
     const auto ends_with = [&] {
       budget left;
       left.time = timeout - std::min<std::chrono::nanoseconds>(timeout, clock::now() - begin);
-      return collect(left).result;
+      return collect(left, true).result;
     };
     const waited result = wait(timeout, [&] {
       const outcome now = ends_with();
@@ -159,6 +152,14 @@ class basic_domain {
   friend struct detail::domain_access;
   explicit basic_domain(runtime::domain_state<Env>& shared) noexcept : state_(&shared) {}
 
+  collected collect(const budget& limit, bool thorough) noexcept {
+    if (never_reclaims()) {
+      SLAMGC_ASSERT(false, (misuse{"collects on a thread that never reclaims", "domain", this, 0}));
+      state_->collection.refuse();
+      return {outcome::refused, 0};
+    }
+    return state_->collection.collect(*state_, limit, thorough);
+  }
   bool is_online() const noexcept {
     return participants::any_in(*state_, [](const participant& p) { return p.online; });
   }
@@ -212,6 +213,17 @@ template <class Env>
 }
 /// The default domain of ordinary programs.
 [[nodiscard]] inline domain& default_domain() { return basic_default_domain<std_env>(); }
+
+namespace detail {
+
+/// The domain of the thread's innermost mutator, or the default one.
+template <class Env>
+runtime::domain_state<Env>& current_domain() {
+  const auto* const me = runtime::participants<Env>::of_this_thread().innermost;
+  return me != nullptr ? *me->domain : domain_access::state_of(basic_default_domain<Env>());
+}
+
+}  // namespace detail
 
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc

@@ -50,6 +50,16 @@ struct std_env {
     // what the exchange that stored the old pointer published.
     return __atomic_exchange_n(&element, desired, __ATOMIC_ACQ_REL);
   }
+
+  /// Replaces an element of a standard container if it is @p expected.
+  template <class T>
+  [[nodiscard]] static bool compare_exchange(T*& element, T* expected, T* desired) noexcept {
+    // (2) memory_order_acq_rel: as exchange().
+    // (2) memory_order_relaxed: a failure reads nothing that anybody uses.
+    return __atomic_compare_exchange_n(&element, &expected, desired, false,
+                                       __ATOMIC_ACQ_REL,   // (2)
+                                       __ATOMIC_RELAXED);  // (2)
+  }
 };
 
 }  // namespace SLAMGC_SHARED

@@ -51,6 +51,14 @@ template <class T, class Env = std_env>
 class atomic_rc;
 template <class T, class Env = std_env>
 class borrow;
+template <class T, class Env = std_env>
+class enable_weak_rc;
+template <class T, class Env = std_env>
+class weak_rc;
+template <class T, class Record, class Env = std_env>
+class enable_anchor;
+template <class T, class Record, class Env = std_env>
+class anchor;
 template <class Container>
 class scoped_count;
 
@@ -58,6 +66,8 @@ template <class Env>
 class basic_domain;
 template <class Env>
 class basic_mutator;
+template <class Env>
+class basic_root;
 template <class T>
 class retire_set;
 class background_reclaimer;
@@ -66,9 +76,12 @@ class background_reclaimer;
 using domain = basic_domain<std_env>;
 /// Registers a thread with a domain.
 using mutator = basic_mutator<std_env>;
+/// Tells a domain where references from outside of the graph are.
+using root = basic_root<std_env>;
 
 namespace detail {
 struct domain_access;
+struct mutator_access;
 }  // namespace detail
 
 // The trailing parameters are those of the standard container (allocator, comparator, hash), with
@@ -83,6 +96,8 @@ template <class T, class Mapped, class... Options>
 class rc_map;
 template <class Key, class T, class... Options>
 class rc_value_map;
+template <class Container, class Env = std_env>
+class registry;
 template <class T, class... Options>
 class rc_unordered_set;
 template <class T, class Mapped, class... Options>

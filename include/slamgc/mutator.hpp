@@ -49,6 +49,7 @@ class basic_mutator {
             *me_.domain, [this](const runtime::participant<Env>& p) { return &p == &me_; })),
         (misuse{"ends a mutator on another thread than its own", "mutator", this, 0}));
     go_offline();
+    while (me_.roots != nullptr) me_.roots->leave();
     me_.domain->leave(record_);
     me_.domain->release();
   }
@@ -61,8 +62,9 @@ class basic_mutator {
     SLAMGC_ASSERT(me_.online, (misuse{"is quiescent while offline", "mutator", this, 0}));
     if (!me_.online) return;
     me_.publish();
-    me_.domain->quiescent(record_);
+    const bool first_since_a_grace_period_began = me_.domain->quiescent(record_);
     gave_up_borrowed();
+    if (first_since_a_grace_period_began && me_.roots != nullptr) me_.join_purge();
   }
   /// Whether the thread may hold borrowed pointers now.
   [[nodiscard]] bool is_online() const noexcept { return me_.online; }
@@ -107,12 +109,15 @@ class basic_mutator {
   };
 
  private:
+  friend struct detail::mutator_access;
+
   void go_online() noexcept {
     me_.domain->go_online(record_);
     me_.online = true;
     gave_up_borrowed();
   }
   void go_offline() noexcept {
+    if (me_.roots != nullptr) me_.join_purge();
     me_.online = false;
     me_.publish();
     me_.domain->go_offline(record_);
@@ -129,5 +134,15 @@ class basic_mutator {
   runtime::participation<Env> taking_part_;
 };
 
+namespace detail {
+
+struct mutator_access {
+  template <class Env>
+  static runtime::participant<Env>& part_of(basic_mutator<Env>& m) noexcept {
+    return m.me_;
+  }
+};
+
+}  // namespace detail
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc

@@ -97,6 +97,15 @@ class rc_slot {
     detail::add_reference(p);
     return intrusive_rc<T>(moved(replace(p)), false);
   }
+  /// If it refers to @p expected: refers to @p p and returns true. Else nothing changes.
+  bool compare_exchange(T* expected, T* p) noexcept {
+    detail::add_reference(p);
+    // (10) as replace(): a failure reads nothing that anybody uses.
+    const bool done = p_.compare_exchange_strong(expected, p, std::memory_order_acq_rel,
+                                                 std::memory_order_relaxed);  // (10)
+    detail::drop_reference(done ? expected : p);
+    return done;
+  }
   /// Becomes null.
   void reset() noexcept { *this = static_cast<T*>(nullptr); }
 

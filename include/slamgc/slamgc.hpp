@@ -3,6 +3,7 @@
 /// `<mutex>` is large: background_reclaimer.hpp, diagnosis/quarantine.hpp, integrations/.
 #pragma once
 
+#include "anchor.hpp"
 #include "atomic_rc.hpp"
 #include "borrow.hpp"
 #include "containers/rc_list.hpp"
@@ -15,6 +16,7 @@
 #include "counter.hpp"
 #include "deferred.hpp"
 #include "diagnosis/hooks.hpp"
+#include "dispositions.hpp"
 #include "domain.hpp"
 #include "edges.hpp"
 #include "env.hpp"
@@ -25,7 +27,10 @@
 #include "rc_object.hpp"
 #include "rc_slot.hpp"
 #include "reclaim_at_zero.hpp"
+#include "registry.hpp"
 #include "retire_set.hpp"
+#include "root.hpp"
 #include "scoped_count.hpp"
 #include "stats.hpp"
 #include "version.hpp"
+#include "weak_rc.hpp"

@@ -36,6 +36,7 @@
 #include <mutex>
 #include <new>
 #include <numeric>
+#include <optional>
 #include <queue>
 #include <set>
 #include <sstream>
@@ -76,6 +77,7 @@
 
 #undef SLAMGC_DEBUG
 #define SLAMGC_DEBUG 0
+#include "slamgc/anchor.hpp"
 #include "slamgc/atomic_rc.hpp"
 #include "slamgc/deferred.hpp"
 #include "slamgc/intrusive_rc.hpp"
@@ -83,6 +85,7 @@
 #include "slamgc/mutex_counter.hpp"
 #include "slamgc/rc_slot.hpp"
 #include "slamgc/retire_set.hpp"
+#include "slamgc/weak_rc.hpp"
 
 /// Where an operation stands in the source, for relacy's report: the place of the call.
 #define RELACY_HERE \
@@ -194,6 +197,12 @@ struct relacy_env {
   template <class T>
   static T* exchange(T*& element, T* desired) noexcept {
     return std::exchange(element, desired);
+  }
+  template <class T>
+  static bool compare_exchange(T*& element, T* expected, T* desired) noexcept {
+    if (element != expected) return false;
+    element = desired;
+    return true;
   }
 };
 

@@ -94,6 +94,11 @@ struct yield_env {
     disturb();
     return slamgc::std_env::exchange(element, desired);
   }
+  template <class T>
+  static bool compare_exchange(T*& element, T* expected, T* desired) noexcept {
+    disturb();
+    return slamgc::std_env::compare_exchange(element, expected, desired);
+  }
 
  private:
   static std::uint64_t choose_seed() {

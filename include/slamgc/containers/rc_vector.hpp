@@ -207,6 +207,21 @@ class rc_vector
     for (auto i = n; i != 0; --i) pop_back();
     return from;
   }
+  /// Removes the elements for which @p gone(p) holds; the others keep their order. Calls it once for each element, in
+  /// order. Returns how many were removed. O(size).
+  template <class Predicate>
+  size_type remove_if(Predicate gone) {
+    const detail::counted_scope<T> until_final;
+    size_type kept = 0;
+    for (size_type i = 0; i != std_.size(); ++i) {
+      if (gone(std_[i])) continue;
+      if (kept != i) std::swap(std_[kept], std_[i]);
+      ++kept;
+    }
+    const size_type removed = std_.size() - kept;
+    while (std_.size() != kept) pop_back();
+    return removed;
+  }
   /// As in Std: keeps the capacity.
   void clear() noexcept { this->clear_content(); }
   /// Exchanges the elements of two vectors: O(size), as each reference changes its place.

@@ -3,8 +3,8 @@
 ///
 /// **States.** *noting*: what has entered the tables is noted, table by table. *waiting*: the epoch was
 /// advanced; the grace period is open. *deciding*: it is over; the noted objects are destroyed, or leave, or
-/// enter anew. A call goes on where the last one ended, whichever thread made it. What enters meanwhile
-/// belongs to the next round.
+/// enter anew. *purging*, between two rounds, if there is reason to (purge.hpp). A call goes on where the last one
+/// ended, whichever thread made it. What enters meanwhile belongs to the next round.
 #pragma once
 
 #include <chrono>
@@ -18,7 +18,10 @@
 #include "../fwd.hpp"
 #include "../stats.hpp"
 #include "clock.hpp"
+#include "dropped.hpp"
 #include "participant.hpp"
+#include "purge.hpp"
+#include "root_list.hpp"
 #include "table_base.hpp"
 #include "trial_deletion.hpp"
 
@@ -31,10 +34,12 @@ class collection {
   using outcome = collected::outcome;
   using domain = domain_state<Env>;
 
-  collected collect(domain& of, const budget& limit) noexcept {
+  /// @p thorough: what could be put off is not.
+  collected collect(domain& of, const budget& limit, bool thorough = false) noexcept {
     // (21) acquire: sees what the last collector left behind.
     if (collecting_.exchange(true, std::memory_order_acquire)) return {outcome::busy, 0};
     const auto begin = clock::now();
+    purge_.begin_call(thorough);
     const collected done =
         hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);
     const std::int64_t took = std::chrono::nanoseconds(clock::now() - begin).count();
@@ -61,6 +66,9 @@ class collection {
   }
 
   trial_deletion<Env>& trial() noexcept { return trial_; }
+  root_list<Env>& roots() noexcept { return roots_; }
+  void drop(dropped_base<Env>& content) noexcept { dropped_.push(content); }
+  const purge<Env>& purging() const noexcept { return purge_; }
 
   // ---- reports
 
@@ -89,7 +97,7 @@ class collection {
  private:
   using clock = clock_of<Env>;
   using table = table_base<Env>;
-  enum class phase { noting, waiting, deciding };
+  enum class phase { noting, waiting, deciding, purging };
 
   collected slice(domain& of, const budget& limit, typename clock::time_point begin) noexcept {
     for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
@@ -143,7 +151,12 @@ class collection {
               std::size_t& reclaimed) noexcept {
     bool found_nothing = false;
     for (;;) {
+      if (phase_ == phase::purging) {
+        if (!purge_.run(roots_, trial_, live(of), work)) return outcome::partial;
+        phase_ = phase::noting;
+      }
       if (phase_ == phase::noting) {
+        if (!dropped_.drop_all(work)) return outcome::partial;
         me.publish();
         if (batch_ == nullptr) {
           at_ = batch_ = of.tables();
@@ -151,12 +164,15 @@ class collection {
         }
         for (; at_ != nullptr; at_ = at_->next)
           if (!at_->note(work, noted_)) return outcome::partial;
+        trial_.suspect(roots_);
         // What entered and is not noted is in a chain of a mutator, which publishes it at the latest when
         // the grace period is over.
         if (!trial_.find(work)) return outcome::partial;
         if (noted_ == 0 && !trial_.found() && !trial_.unsettled() && backlog(of) == 0) {
           batch_ = nullptr;
-          return outcome::done;
+          if (!purge_.due(trial_)) return outcome::done;
+          phase_ = phase::purging;
+          continue;
         }
         open_grace_period(of);
         phase_ = phase::waiting;
@@ -171,14 +187,17 @@ class collection {
         at_ = batch_;
         phase_ = phase::deciding;
       }
+      // Before trial deletion decides: what a mutator cleared before its quiescent state is unlinked then.
+      if (!dropped_.drop_all(work)) return outcome::partial;
       const bool tried = trial_.found() || trial_.unsettled();
       if (!trial_.decide(work, reclaimed)) return outcome::partial;
       for (; at_ != nullptr; at_ = at_->next)
         if (!at_->decide(work, reclaimed)) return outcome::partial;
       batch_ = nullptr;
-      phase_ = phase::noting;
+      phase_ = purge_.due(trial_) ? phase::purging : phase::noting;
       // For a thread that is about to push something; one that was at work when the round began has done so.
-      if (noted_ == 0 && !tried && std::exchange(found_nothing, true)) return outcome::waiting;
+      if (noted_ == 0 && !tried && phase_ == phase::noting && std::exchange(found_nothing, true))
+        return outcome::waiting;
     }
   }
 
@@ -194,6 +213,11 @@ class collection {
     for (const table* t = of.tables(); t != nullptr; t = t->next) sum += t->backlog();
     return sum;
   }
+  static std::size_t live(const domain& of) noexcept {
+    std::uint64_t sum = 0;
+    for (const table* t = of.tables(); t != nullptr; t = t->next) sum += t->live();
+    return static_cast<std::size_t>(sum);
+  }
   static std::chrono::nanoseconds time() noexcept { return clock::now().time_since_epoch(); }
 
   typename Env::template atomic<bool> collecting_{false};
@@ -208,6 +232,9 @@ class collection {
   table* batch_ = nullptr;  // the tables of this round, from the newest
   table* at_ = nullptr;     // the next one
   trial_deletion<Env> trial_;
+  purge<Env> purge_;
+  root_list<Env> roots_;
+  dropped_list<Env> dropped_;
   std::size_t noted_ = 0;  // objects in this round
   std::uint64_t target_ = 0;
   std::uint64_t backlog_limit_ = 0;

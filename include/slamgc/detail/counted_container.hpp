@@ -188,7 +188,16 @@ class counted_container {
     for (const value_type& value : content) detail::drop_reference(reference_of(value));
   }
 
+  friend struct container_access;
   Std std_;
+};
+
+/// For registries, which take the content out without touching each reference.
+struct container_access {
+  template <class T, class Std, class Reference, class Iterator>
+  static Std& content_of(counted_container<T, Std, Reference, Iterator>& c) noexcept {
+    return c.std_;
+  }
 };
 
 /// Only for iterators: what can be read and advanced.

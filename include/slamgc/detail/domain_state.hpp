@@ -78,12 +78,13 @@ class domain_state {
     // (18) release: what it did with borrowed pointers comes before their reclamation (20).
     r.epoch.store(record::offline, std::memory_order_release);
   }
-  void quiescent(record& r) noexcept {
+  bool quiescent(record& r) noexcept {
     // (19) acquire: sees whatever was unlinked before the collector wrote this epoch (17).
     const std::uint64_t now = epoch_.load(std::memory_order_acquire);
     // (12) relaxed: nobody else writes the record.
-    if (r.epoch.load(std::memory_order_relaxed) != now)
-      r.epoch.store(now, std::memory_order_release);  // (18)
+    if (r.epoch.load(std::memory_order_relaxed) == now) return false;
+    r.epoch.store(now, std::memory_order_release);  // (18)
+    return true;
   }
 
   // ---- grace periods
@@ -161,6 +162,15 @@ class domain_state {
   atomic<std::size_t> records_made_{0};
   atomic<std::size_t> references_{1};
 };
+
+template <class Env>
+void participant<Env>::join_purge() noexcept {
+  const std::uint64_t now = domain->collection.purging().number();
+  if (now == purged) return;
+  purged = now;
+  for (const root_place<Env>* root = roots; root != nullptr; root = root->next_of_owner)
+    root->operations->purge_by_owner(root->described);
+}
 
 /// The state of the default domain: made on first use, never destroyed.
 template <class Env>

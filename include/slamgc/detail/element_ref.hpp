@@ -37,6 +37,13 @@ class element_ref {
     detail::drop_reference(policy_of<T>::env::exchange(element_, p));
     return *this;
   }
+  /// If the element refers to @p expected: it refers to @p p, and returns true. Else nothing changes.
+  bool compare_exchange(T* expected, T* p) const noexcept {
+    detail::add_reference(p);
+    const bool done = policy_of<T>::env::compare_exchange(element_, expected, p);
+    detail::drop_reference(done ? expected : p);
+    return done;
+  }
   /// The element refers to what @p other refers to now.
   element_ref& operator=(const element_ref& other) noexcept {
     *this = other.get();

@@ -64,6 +64,15 @@ using policy_of = typename traits_of<T>::type::policy;
 template <class T>
 using reclaimer_of = typename traits_of<T>::type::reclaimer;
 
+/// An address for each type.
+template <class T>
+inline constexpr char type_key = 0;
+
+/// Marks the reclaimers that defer.
+struct deferred_base {};
+template <class T>
+struct is_deferred : std::is_base_of<deferred_base, reclaimer_of<T>> {};
+
 /// Nobody but this file and the collectors reaches into an object.
 struct access {
   template <class T>

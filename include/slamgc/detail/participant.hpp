@@ -15,6 +15,8 @@ inline constexpr std::size_t cache_line = 64;
 
 template <class Env>
 struct table_door;
+template <class Env>
+struct root_place;
 
 /// A registered thread, as collectors see it. Records are used again and freed with the domain's state
 /// only, so a collector reads them without a lock.
@@ -41,6 +43,8 @@ struct participant {
   std::uint64_t number = 0;            // no other part of the thread ever has it
   std::uint64_t passed = 0;            // which of the thread's quiescent states was its last
   table_door<Env>* pending = nullptr;  // its doors with a chain to publish
+  root_place<Env>* roots = nullptr;    // that it owns
+  std::uint64_t purged = 0;            // the last purge that it has joined
 
   /// Whether it keeps what enters a table in a chain of its own, which it publishes later.
   bool keeps_chains() const noexcept { return door != 0 && may_borrow(); }
@@ -51,6 +55,8 @@ struct participant {
   /// What was borrowed before is not valid any more; for the checks of borrow.hpp.
   void pass_quiescent_state() noexcept;
 
+  /// Drops the stale edges of the roots that it owns, if a purge has begun since the last time.
+  void join_purge() noexcept;
   /// Makes what entered tables visible to the collector.
   void publish() noexcept {
     for (; pending != nullptr; pending = pending->next_pending) pending->publish();

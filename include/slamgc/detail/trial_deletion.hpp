@@ -8,7 +8,8 @@
 /// 3. *excludes* each candidate that has others, and what is recorded to be reached from it;
 /// 4. after a grace period that began after 2, *checks* the words of all that are left: one that has changed is
 ///    excluded, as in 3;
-/// 5. *severs* what is left, and destroys it.
+/// 5. if there are weak handles to what is left: decides (decision.hpp), and waits for another grace period;
+/// 6. *severs* what is left, and destroys it.
 ///
 /// **What is left is out of everybody's sight**: docs/design.md, "Cycles". There, too, is why 3 and 4 must not walk the
 /// edges a second time.
@@ -27,101 +28,13 @@
 #include "../counter.hpp"
 #include "../env.hpp"
 #include "../fwd.hpp"
+#include "candidate.hpp"
+#include "decision.hpp"
+#include "root_list.hpp"
 #include "table_base.hpp"
 
 namespace slamgc {
 namespace runtime SLAMGC_SHARED {
-
-template <class Env>
-struct candidate;
-
-/// The references that a round has recorded, one candidate's after the other's.
-template <class Env>
-class edge_list {
-  struct block {
-    static constexpr std::size_t size = 1023;
-    block* next = nullptr;
-    candidate<Env>* targets[size];
-  };
-
- public:
-  /// Of a reference, or the end.
-  class place {
-   public:
-    candidate<Env>* next() noexcept {
-      if (index_ == block::size) {
-        block_ = block_->next;
-        index_ = 0;
-      }
-      return block_->targets[index_++];
-    }
-
-   private:
-    friend class edge_list;
-    block* block_;
-    std::size_t index_;
-  };
-
-  edge_list() noexcept { clear(); }
-  ~edge_list() {
-    clear();
-    delete first_.next;
-  }
-  edge_list(const edge_list&) = delete;
-  edge_list& operator=(const edge_list&) = delete;
-
-  place end() const noexcept { return end_; }
-  /// False if there is no memory.
-  bool add(candidate<Env>& target) noexcept {
-    if (end_.index_ == block::size) {
-      if (end_.block_->next == nullptr) end_.block_->next = new (std::nothrow) block;
-      if (end_.block_->next == nullptr) return false;
-      end_.block_ = end_.block_->next;
-      end_.index_ = 0;
-    }
-    end_.block_->targets[end_.index_++] = &target;
-    return true;
-  }
-  /// Keeps the memory of one block.
-  void clear() noexcept {
-    if (block* const kept = first_.next) {
-      while (block* const more = kept->next) {
-        kept->next = more->next;
-        delete more;
-      }
-    }
-    end_.block_ = &first_;
-    end_.index_ = block::size;  // the first one holds nothing
-  }
-
- private:
-  block first_;
-  place end_;
-};
-
-/// A retired object that is still referred to. Its link names this, with a mark in the lowest bit, which no
-/// other value of a link has.
-template <class Env>
-struct candidate {
-  void* object;
-  table_base<Env>* table;
-  std::uint64_t noted;
-  std::uint32_t inner;  // references from candidates
-  bool fresh;           // not in a round yet
-  bool live;            // excluded
-  candidate* next;
-  candidate* next_marked;
-  typename edge_list<Env>::place first_edge;
-  std::size_t edges;
-
-  static void* link_to(candidate* c) noexcept {
-    return static_cast<char*>(static_cast<void*>(c)) + 1;
-  }
-  static candidate* of_link(void* link) noexcept {
-    if ((reinterpret_cast<std::uintptr_t>(link) & 1) == 0) return nullptr;
-    return static_cast<candidate*>(static_cast<void*>(static_cast<char*>(link) - 1));
-  }
-};
 
 template <class Env>
 class trial_deletion {
@@ -130,38 +43,34 @@ class trial_deletion {
   using limit_type = work_limit<Env>;
 
   trial_deletion() noexcept = default;
-  ~trial_deletion() {
-    while (blocks_ != nullptr) {
-      block* const next = blocks_->next;
-      delete blocks_;
-      blocks_ = next;
-    }
-  }
   trial_deletion(const trial_deletion&) = delete;
   trial_deletion& operator=(const trial_deletion&) = delete;
 
-  /// The new candidate, or null if there is no memory.
-  candidate_type* add(void* object, table_base<Env>& table) noexcept {
-    if (free_ == nullptr && !grow()) return nullptr;
-    candidate_type* const c = free_;
-    free_ = c->next;
-    *c = {object, &table, 0, 0, true, true, first_, nullptr, edges_.end(), 0};
-    first_ = c;
+  /// The new candidate, with its word now, or null if there is no memory.
+  candidate_type* add(void* object, table_base<Env>& table, std::uint64_t word) noexcept {
+    candidate_type* const c = all_.add();
+    if (c == nullptr) return nullptr;
+    *c = {object, &table, word, edges_.end(), nullptr, 0, 0, 0, 0, true, true, suspecting_, false};
+    any_blocks_ = any_blocks_ || table.has_blocks;
     return c;
   }
   /// Steps 1 to 3, before the grace period. False if the limit came first.
   bool find(limit_type& limit) noexcept {
+    if (phase_ == phase::expired) start(phase::severing);  // after the grace period that follows
     if (phase_ == phase::idle) {
       changed_ = false;
+      left_ = 0;
       start(phase::beginning);
     }
     if (phase_ == phase::beginning) {
       while (candidate_type* const c = next()) {
-        const std::uint64_t now = c->table->word_of(c->object);
-        changed_ = changed_ || !same_references(now, c->noted);  // a new one was noted as 0
+        // A new one was noted when it was added: a while ago is as good.
+        const std::uint64_t now = c->fresh ? c->noted : c->table->word_of(c->object);
+        changed_ = changed_ || c->fresh || !same_references(now, c->noted);
         c->noted = now;
         c->inner = 0;
         c->fresh = c->live = false;
+        ++left_;
         if (!limit.spend()) return false;
       }
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
@@ -175,9 +84,15 @@ class trial_deletion {
         walked_ = c;
         c->first_edge = edges_.end();
         c->edges = 0;
-        if (!c->fresh) c->table->walk(c->object, *this);
+        if (!c->fresh && !c->table->walk(c->object, *this)) mark(*c);
         if (out_of_memory_) return give_up();
         if (!limit.spend()) return false;
+      }
+      if (suspecting_) {
+        walked_ = nullptr;
+        roots_->visit([this](const root_place<Env>& root) {
+          if (root.is_suspected()) root.operations->record(root.described, *this);
+        });
       }
       start(phase::excluding);
     }
@@ -185,7 +100,7 @@ class trial_deletion {
       while (exclude_marked(limit)) {
         candidate_type* const c = next();
         if (c == nullptr) {
-          start(any_left() ? phase::checking : phase::idle);
+          start(left_ != 0 ? phase::checking : suspecting_ ? phase::resolving : phase::idle);
           return true;
         }
         if (c->inner != state_word{c->noted}.count()) mark(*c);
@@ -199,7 +114,9 @@ class trial_deletion {
   /// Whether find() has to be called again after a grace period.
   bool unsettled() const noexcept { return unsettled_; }
 
-  /// Steps 4 and 5, after the grace period. False if the limit came first.
+  runtime::decision<Env>& decision() noexcept { return decision_; }
+
+  /// Steps 4 to 6, after the grace period. False if the limit came first.
   bool decide(limit_type& limit, std::size_t& reclaimed) noexcept {
     if (phase_ == phase::checking) {
       for (;;) {
@@ -207,38 +124,58 @@ class trial_deletion {
         candidate_type* const c = next();
         if (c == nullptr) break;
         if (c->live) continue;
-        if (!same_references(c->table->word_of(c->object), c->noted)) mark(*c);
+        if (!same_references(c->table->word_of(c->object), c->noted)) {
+          disturbed(*c);
+          mark(*c);
+        }
         if (!limit.spend()) return false;
       }
-      start(phase::severing);
+      if (any_blocks_ && !suspecting_) decision_.open();
+      decided_ = true;
+      marked_blocks_ = false;
+      start(suspecting_ ? phase::resolving : any_blocks_ ? phase::deciding : phase::severing);
     }
+    if (phase_ == phase::resolving && !resolve(limit)) return false;
+    if (!expire_blocks(limit)) return false;
+    if (phase_ == phase::expired) return true;
     if (phase_ == phase::severing) {
       while (candidate_type* const c = next()) {
         if (c->live) continue;
-        c->table->sever(c->object);
+        if (!c->table->sever(c->object)) mark(*c);
         if (!limit.spend()) return false;
       }
-      rest_ = first_;
-      first_ = nullptr;
-      phase_ = phase::destroying;
+      // What could not be severed stays, with what it refers to.
+      if (!exclude_marked(limit)) return false;
+      start(phase::destroying);
     }
     if (phase_ == phase::destroying) {
-      while (candidate_type* const c = rest_) {
-        rest_ = c->next;
-        if (c->live) {
-          c->next = first_;
-          first_ = c;
-          continue;
-        }
+      while (candidate_type* const c = next()) {
+        if (c->live) continue;
         c->table->destroy(c->object);
         ++reclaimed;
-        c->next = free_;
-        free_ = c;
+        all_.remove(at_);
         if (!limit.spend()) return false;
       }
+      all_.trim();
       phase_ = phase::idle;
     }
     return true;
+  }
+
+  /// Whether a candidate is referred to from elsewhere in a way that no purge has seen yet.
+  bool unpurged() const noexcept { return unpurged_; }
+  /// Calls f(candidate) for each candidate, before a purge. Another round will see what it changes, a grace period later.
+  template <class F>
+  void begin_purge(F f) noexcept {
+    unpurged_ = false;
+    unsettled_ = true;
+    auto at = all_.begin();
+    while (candidate_type* const c = at.next()) {
+      c->purged = true;
+      c->purged_version = state_word{c->table->word_of(c->object)}.version();
+      c->held = 0;
+      f(*c);
+    }
   }
 
   /// For walks: the candidate that is walked refers to this one.
@@ -247,39 +184,52 @@ class trial_deletion {
       out_of_memory_ = true;
       return;
     }
-    ++walked_->edges;
+    if (walked_ != nullptr) ++walked_->edges;
     ++target.inner;
   }
 
- private:
-  enum class phase { idle, beginning, recording, excluding, checking, severing, destroying };
-  struct block {
-    static constexpr std::size_t size = 255;
-    block* next;
-    candidate_type candidates[size];
-  };
+  /// Makes candidates, for one round, of what the suspected roots refer to: the references of those roots count as inner
+  /// ones then, and what is found is not destroyed but retired. By the collector, between two rounds.
+  void suspect(root_list<Env>& roots) noexcept {
+    if (phase_ != phase::idle || !roots.any_suspected()) return;
+    roots_ = &roots;
+    suspecting_ = true;
+    roots.visit([this](root_place<Env>& root) {
+      if (root.begin_suspicion()) root.operations->suspect(root.described, *this);
+    });
+  }
 
+ private:
+  enum class phase {
+    idle,
+    beginning,
+    recording,
+    excluding,
+    checking,
+    resolving,
+    deciding,
+    unmarking,
+    expiring,
+    expired,
+    severing,
+    destroying
+  };
   static bool same_references(std::uint64_t a, std::uint64_t b) noexcept {
     return state_word{a}.same_references({b});
   }
   void start(phase p) noexcept {
     phase_ = p;
-    at_ = first_;
+    at_ = all_.begin();
     if (p == phase::recording) edges_.clear();
   }
-  candidate_type* next() noexcept {
-    candidate_type* const c = at_;
-    if (c != nullptr) at_ = c->next;
-    return c;
-  }
-  bool any_left() const noexcept {
-    const candidate_type* c = first_;
-    while (c != nullptr && c->live) c = c->next;
-    return c != nullptr;
-  }
+  candidate_type* next() noexcept { return at_.next(); }
   void mark(candidate_type& c) noexcept {
     if (c.live) return;
     c.live = true;
+    --left_;
+    if (phase_ == phase::excluding &&
+        (!c.purged || c.purged_version != state_word{c.noted}.version()))
+      unpurged_ = true;
     c.next_marked = marked_;
     marked_ = &c;
   }
@@ -293,37 +243,99 @@ class trial_deletion {
     }
     return true;
   }
-  /// Without memory this round finds nothing; another one will.
-  bool give_up() noexcept {
-    out_of_memory_ = false;
-    unsettled_ = true;
-    start(phase::idle);
-    return true;
-  }
-  bool grow() noexcept {
-    block* const more = new (std::nothrow) block;
-    if (more == nullptr) return false;
-    more->next = blocks_;
-    blocks_ = more;
-    for (candidate_type& c : more->candidates) {
-      c.next = free_;
-      free_ = &c;
+  /// Step 5: one decision for all that is left. False if the limit came first.
+  bool expire_blocks(limit_type& limit) noexcept {
+    if (phase_ == phase::deciding) {
+      while (candidate_type* const c = decided_ ? next() : nullptr) {
+        side_block<Env>* const side = block_of(*c);
+        if (side != nullptr) {
+          marked_blocks_ = true;
+          side->mark(decision_);
+          decided_ = c->table->seal(c->object, c->noted);
+          if (decided_) side->bury();
+        }
+        if (!limit.spend()) return false;
+      }
+      decided_ = decided_ && (!marked_blocks_ || decision_.commit());
+      start(!marked_blocks_ ? phase::severing : decided_ ? phase::expiring : phase::unmarking);
+    }
+    if (phase_ == phase::expiring || phase_ == phase::unmarking) {
+      while (candidate_type* const c = next()) {
+        side_block<Env>* const side = block_of(*c);
+        if (side != nullptr && side->is_marked()) {
+          if (phase_ == phase::expiring) {
+            side->expire();
+          } else {
+            side->unmark();
+            if (!same_references(c->table->word_of(c->object), c->noted)) disturbed(*c);
+          }
+        }
+        if (!limit.spend()) return false;
+      }
+      unsettled_ = unsettled_ || phase_ == phase::unmarking;
+      phase_ = phase_ == phase::expiring ? phase::expired : phase::idle;
     }
     return true;
   }
-
+  /// Of a candidate that nothing else refers to, if weak handles may lead to it.
+  static side_block<Env>* block_of(const candidate_type& c) noexcept {
+    if (c.live || !c.table->has_blocks) return nullptr;
+    side_block<Env>* const side = c.table->block_of(c.object);
+    return side != nullptr && !side->is_dead() ? side : nullptr;
+  }
+  static void disturbed(candidate_type& c) noexcept {
+    if (!state_word{c.noted}.is_retired())
+      return;  // only what is retired may expire while it is referred to
+    if (side_block<Env>* const side = block_of(c)) side->disturbed();
+  }
+  /// Without memory this round finds nothing; another one will.
+  bool give_up() noexcept {
+    marked_ = nullptr;
+    out_of_memory_ = false;
+    unsettled_ = true;
+    auto at = all_.begin();
+    while (candidate_type* const c = at.next()) c->live = true;
+    start(suspecting_ ? phase::resolving : phase::idle);
+    return true;
+  }
+  /// The end of a round with suspects: what was found is retired, the rest leaves.
+  bool resolve(limit_type& limit) noexcept {
+    while (candidate_type* const c = next()) {
+      if (c->suspect && (!c->live || state_word{c->table->word_of(c->object)}.is_retired())) {
+        c->table->condemn(c->object);
+        c->suspect = false;
+        c->fresh = true;
+        unsettled_ = true;
+      }
+      if (c->suspect) {
+        c->table->leave(c->object);
+        all_.remove(at_);
+      }
+      if (!limit.spend()) return false;
+    }
+    all_.trim();
+    suspecting_ = false;
+    roots_->visit([](root_place<Env>& root) { root.end_suspicion(); });
+    start(phase::idle);
+    return true;
+  }
   phase phase_ = phase::idle;
   bool out_of_memory_ = false;
   bool changed_ = false;
   bool unsettled_ = false;
-  candidate_type* first_ = nullptr;
+  bool unpurged_ = false;
+  bool any_blocks_ = false;     // some candidate's type has them
+  bool marked_blocks_ = false;  // in this decision
+  bool decided_ = false;        // so far, that all die
+  runtime::decision<Env> decision_;
+  candidate_list<Env> all_;
+  typename candidate_list<Env>::cursor at_;  // in this phase
   candidate_type* walked_ = nullptr;
   edge_list<Env> edges_;
-  candidate_type* at_ = nullptr;      // the next one in this phase
+  std::size_t left_ = 0;              // candidates of this round that are not excluded
   candidate_type* marked_ = nullptr;  // excluded, not walked yet
-  candidate_type* rest_ = nullptr;    // not destroyed or put back yet
-  candidate_type* free_ = nullptr;
-  block* blocks_ = nullptr;
+  bool suspecting_ = false;
+  root_list<Env>* roots_ = nullptr;
 };
 
 }  // namespace SLAMGC_SHARED

@@ -31,25 +31,17 @@
 #include <cstdint>
 #include <type_traits>
 
-#include "../edges.hpp"
 #include "../reclaim_at_zero.hpp"
+#include "described.hpp"
 #include "domain_state.hpp"
 #include "header.hpp"
 #include "note_list.hpp"
+#include "side_block.hpp"
 #include "trial_deletion.hpp"
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 namespace detail {
-
-/// An address for each type.
-template <class T>
-inline constexpr char type_key = 0;
-
-/// Marks the reclaimers that defer.
-struct deferred_base {};
-template <class T>
-struct is_deferred : std::is_base_of<deferred_base, reclaimer_of<T>> {};
 
 template <class T>
 class zero_count_table final : public runtime::table_base<typename policy_of<T>::env> {
@@ -61,7 +53,8 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
 
  public:
   explicit zero_count_table(runtime::domain_state<env>& of) noexcept
-      : base(of, &type_key<T>, slamgc::detail::type_name<T>::get(), sizeof(T)) {}
+      : base(of, &type_key<T>, slamgc::detail::type_name<T>::get(), sizeof(T),
+             has_block<T>::value) {}
 
   /// The table of T in @p domain, or null.
   static zero_count_table* find(const runtime::domain_state<env>& domain) noexcept {
@@ -113,7 +106,7 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
         void* const below = header.link.load(std::memory_order_relaxed);  // (11)
         const std::uint64_t word = policy::load(header.state);
         if (is_candidate(word)) {
-          if (!become_candidate(taken_)) return true;
+          if (!become_candidate(taken_, word)) return true;
           base::add(this->left_, 1);
         } else {
           if (!notes_.add({taken_, word})) return true;
@@ -132,31 +125,59 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
   std::uint64_t word_of(const void* object) const noexcept override {
     return policy::load(access::header_of(*static_cast<const T*>(object)).state);
   }
-  void walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
-    if constexpr (has_edges<T>::value) {
-      const auto record = [&trial](auto* p) {
-        using target = object_of<std::remove_pointer_t<decltype(p)>>;
-        if constexpr (is_deferred<target>::value && has_edges<target>::value) {
-          // (11) only the collector stores what names a candidate.
-          void* const link = access::header_of(*p).link.load(std::memory_order_relaxed);
-          if (candidate* const c = candidate::of_link(link)) trial.record(*c);
-        }
-      };
-      reference_visitor<decltype(record)> visitor{record};
-      static_cast<T*>(object)->edges(visitor);
-    }
+  runtime::side_block<env>* block_of(void* object) const noexcept override {
+    if constexpr (has_block<T>::value)
+      return owner_of<env>(*static_cast<const T*>(object)).get();
+    else
+      return nullptr;
   }
-  void sever(void* object) noexcept override {
-    if constexpr (has_edges<T>::value) {
-      severing_visitor visitor;
-      static_cast<T*>(object)->edges(visitor);
-    }
+  bool seal(void* object, std::uint64_t noted) noexcept override {
+    auto& state = access::header_of(*static_cast<T*>(object)).state;
+    std::uint64_t now = policy::load(state);
+    do {
+      if (!state_word{now}.same_references({noted})) return false;
+    } while (!policy::compare_exchange(state, now, now));
+    return true;
+  }
+  bool walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
+    if constexpr (has_edges<T>::value) return operations_on<T, env>::record(object, trial);
+    return true;
+  }
+  bool sever(void* object) noexcept override {
+    severing_visitor visitor;
+    if constexpr (has_edges<T>::value)
+      return detail::visit_edges(*static_cast<T*>(object), visitor);
+    return true;
   }
   void destroy(void* object) noexcept override {
     destroy_object(static_cast<T*>(object));
     base::add(this->stuck_, std::uint64_t{0} - 1);
     base::add(this->reclaimed_, 1);
     base::add(this->doors_[base::collectors_door].ended, 1);
+  }
+
+  /// Makes a candidate of an object that is neither queued nor retired: see trial_deletion::suspect.
+  static void suspect(T& object) noexcept {
+    auto& header = access::header_of(object);
+    std::uint64_t now = policy::load(header.state);
+    do {
+      const state_word w{now};
+      if (w.is_queued() || w.is_retired() || w.is_saturated()) return;
+    } while (!policy::compare_exchange(header.state, now, now | state_word::queued_flag));
+    zero_count_table* const mine = of(object);
+    if (!mine->become_candidate(&object, now)) mine->leave_table(object);
+  }
+  void condemn(void* object) noexcept override {
+    auto& state = access::header_of(*static_cast<T*>(object)).state;
+    std::uint64_t now = policy::load(state);
+    do {
+      if (state_word{now}.is_retired()) return;
+    } while (!policy::compare_exchange(state, now, now | state_word::retired_flag));
+    base::add(this->doors_[base::collectors_door].retired, 1);
+  }
+  void leave(void* object) noexcept override {
+    base::add(this->stuck_, std::uint64_t{0} - 1);
+    leave_table(*static_cast<T*>(object));
   }
 
   bool decide(runtime::work_limit<env>& limit, std::size_t& reclaimed) noexcept override {
@@ -168,7 +189,7 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
       if (const entry* const soon = notes_.soon()) __builtin_prefetch(soon->object, 1);
       const entry e = notes_.take();
       ++left;
-      if (!is_dead(e)) continue;
+      if (!is_dead(e) || !has_expired(e)) continue;
       // The destructor may do anything, push objects of this type included.
       destroy_object(e.object);
       ++destroyed;
@@ -194,17 +215,48 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
       const state_word w{now};
       if (w.count() == 0) {
         if (w.same_references({e.noted})) return true;
+        if (auto* const block = this->block_of(e.object)) block->disturbed();
         push(e.object);
         return false;
       }
       if (is_candidate(now)) {
-        if (!become_candidate(e.object)) push(e.object);
+        if (!become_candidate(e.object, now)) push(e.object);
         return false;
       }
-      // (13) published by clearing the flag: compare_exchange (6) releases.
-      header.link.store(this, std::memory_order_relaxed);
-      if (policy::compare_exchange(header.state, now, now & ~state_word::queued_flag)) return false;
+      if (auto* const block = this->block_of(e.object)) block->undisturbed();
+      if (clear_queued(header, now)) return false;
     }
+  }
+
+  /// Clears `queued`, or pushes the object.
+  void leave_table(T& object) noexcept {
+    auto& header = access::header_of(object);
+    std::uint64_t now = policy::load(header.state);
+    do {
+      const state_word w{now};
+      if (w.is_retired() || (w.count() == 0 && reclaimer_of<T>::at_zero)) {
+        push(&object);
+        return;
+      }
+    } while (!clear_queued(header, now));
+  }
+  /// The object leaves, or @p now is its word.
+  template <class Header>
+  bool clear_queued(Header& header, std::uint64_t& now) noexcept {
+    // (13) published by clearing the flag: compare_exchange (6) releases.
+    header.link.store(this, std::memory_order_relaxed);
+    return policy::compare_exchange(header.state, now, now & ~state_word::queued_flag);
+  }
+
+  /// Whether no weak handle leads to the object any more, which is dead otherwise. Else they expire now, unless
+  /// somebody locks one; and the object enters anew.
+  bool has_expired(const entry& e) noexcept {
+    auto* const block = this->block_of(e.object);
+    if (block == nullptr || block->is_dead()) return true;
+    runtime::decide_alone(this->domain.collection.trial().decision(), *block,
+                          [&] { return seal(e.object, e.noted); });
+    push(e.object);
+    return false;
   }
 
   /// Retired, described, and still referred to: in place of leaving, it is tried.
@@ -212,8 +264,8 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
     return has_edges<T>::value && state_word{word}.count() != 0 && state_word{word}.is_retired();
   }
   /// False if there is no memory.
-  bool become_candidate(T* object) noexcept {
-    auto* const c = this->domain.collection.trial().add(object, *this);
+  bool become_candidate(T* object, std::uint64_t word) noexcept {
+    auto* const c = this->domain.collection.trial().add(object, *this, word);
     if (c == nullptr) return false;
     // (11) read by collectors alone.
     access::header_of(*object).link.store(candidate::link_to(c), std::memory_order_relaxed);
