@@ -26,8 +26,8 @@
 
 // ---- slamgc/slamgc.hpp ----
 /// @file
-/// Everything, except mutex_counter.hpp, which exists for comparison, and background_reclaimer.hpp, which a
-/// program includes in one place: `<mutex>` is large.
+/// Everything, except mutex_counter.hpp, which exists for comparison, and what a program includes in one place, since
+/// `<mutex>` is large: background_reclaimer.hpp, diagnosis/quarantine.hpp, integrations/.
 
 // ---- slamgc/anchor.hpp ----
 /// @file
@@ -45,6 +45,12 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+
+// ---- slamgc/detail/object_watch.hpp ----
+/// @file
+/// Where a tool that watches objects is told of them; diagnosis/quarantine.hpp is one.
+///
+/// In the checked flavour only: there it is one branch for each object that is retired, falls to zero or is destroyed.
 
 // ---- slamgc/flavour.hpp ----
 /// @file
@@ -77,20 +83,98 @@
 #define SLAMGC_SHARED __attribute__((visibility("default")))
 
 namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+/// The memory of an object whose destructor has run.
+struct held_memory {
+  static constexpr unsigned char pattern = 0xdd;  // of all bytes but the header's
+
+  void* begin;
+  std::size_t size;
+  const char* type;
+  void* header;  // a new one: who counts a reference to the object is found out by it
+  std::size_t header_size;
+  bool (*header_is_new)(const void* header) noexcept;
+  void (*free)(const held_memory&) noexcept;  // what `delete` does after the destructor
+};
+
+class object_watch {
+ public:
+  using place = std::uint32_t;  // in the program, by its stack; 0: not known
+
+  /// The calling thread is about to drop the last reference to the object.
+  virtual void falls_to_zero(const void* object, const char* type) noexcept = 0;
+  virtual void retired(const void* object, const char* type) noexcept = 0;
+  /// Whether to report that it was retired before.
+  virtual bool reports_double_retire() const noexcept = 0;
+  /// Memory to free, now or later.
+  virtual void hold(const held_memory& memory) noexcept = 0;
+  /// The object is destroyed as usual.
+  virtual void let_go(const void* object) noexcept = 0;
+  /// Whether @p p points into memory that is held.
+  virtual bool holds(const void* p) noexcept = 0;
+  virtual place here() noexcept = 0;
+  /// Prints what is known of the object at @p p, to the standard error stream.
+  virtual void print(const void* p, place borrowed) noexcept = 0;
+
+ protected:
+  ~object_watch() = default;
+};
+
+/// Changed only while no other thread uses objects.
+inline object_watch* watch = nullptr;
+
+}  // namespace SLAMGC_SHARED
+
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// Null, as the compiler knows, in the unchecked flavour. (Were it constexpr, g++ would warn of calls that are never made.)
+inline runtime::object_watch* watch() noexcept {
+#if SLAMGC_DEBUG
+  return runtime::watch;
+#else
+  return nullptr;
+#endif
+}
+
+/// Whether the object at @p p was reclaimed and somebody found out in time.
+inline bool was_reclaimed(const void* p) noexcept {
+  return watch() != nullptr && watch()->holds(p);
+}
+
+/// Whether a second retirement is to be reported.
+inline bool reports_double_retire() noexcept {
+  return watch() != nullptr && watch()->reports_double_retire();
+}
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
 /// What a failed check knows about the object that was misused.
 struct misuse {
-  const char* what;     ///< What the program did, as a phrase.
-  const char* type;     ///< The object's type, as the compiler spells it.
-  const void* object;   ///< The object's address.
-  std::uint32_t count;  ///< The reference count that was found.
+  const char* what;         ///< What the program did, as a phrase.
+  const char* type;         ///< The object's type, as the compiler spells it.
+  const void* object;       ///< The object's address.
+  std::uint32_t count;      ///< The reference count that was found.
+  std::uint32_t place = 0;  ///< For print_places(): where the pointer was borrowed.
 };
+
+/// Prints where *@p m happened, and where its object came to its end, to the standard error stream, if a quarantine is at
+/// work (diagnosis/quarantine.hpp); else nothing. For a `SLAMGC_ASSERT` of the program's own.
+inline void print_places(const misuse& m) noexcept {
+  if (auto* const watch = detail::watch()) watch->print(m.object, m.place);
+}
 
 /// Prints @p m to the standard error stream and aborts. The default of `SLAMGC_ASSERT`.
 [[noreturn]] inline void abort_on(const misuse& m) noexcept {
   std::fprintf(stderr, "slamgc: %s: object %p of type %s, count %lu\n", m.what, m.object, m.type,
                static_cast<unsigned long>(m.count));
+  print_places(m);
   std::abort();
 }
 
@@ -772,6 +856,127 @@ void drop_reference(T* p) noexcept {
 }  // namespace detail
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
+// ---- slamgc/detail/hold_back.hpp ----
+/// @file
+/// Destroying an object without freeing its memory.
+///
+/// `delete` is taken apart: the destructor here, the deallocation function that `delete` would have called later. Which one that
+/// is depends on the most derived type. It is known for a type without a virtual destructor; for one that has it, only if the
+/// object is exactly that type, by run-time type information. Else, and for a class with a destroying `operator delete` or with one
+/// that is not accessible together with its destructor, objects are deleted as usual.
+
+#include <cstring>
+#include <new>
+#if defined(__cpp_rtti)
+#include <typeinfo>
+#endif
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// Whether T has a member `operator delete` with these parameters.
+template <class T, class Parameters, class = void>
+struct has_delete : std::false_type {};
+template <class T, class... P>
+struct has_delete<T, void(P...),
+                  std::void_t<decltype(static_cast<void (*)(P...)>(&T::operator delete))>>
+    : std::true_type {};
+
+#if defined(__cpp_lib_destroying_delete)
+template <class T>
+struct has_destroying_delete
+    : std::bool_constant<
+          has_delete<T, void(T*, std::destroying_delete_t)>::value ||
+          has_delete<T, void(T*, std::destroying_delete_t, std::size_t)>::value ||
+          has_delete<T, void(T*, std::destroying_delete_t, std::align_val_t)>::value ||
+          has_delete<T, void(T*, std::destroying_delete_t, std::size_t, std::align_val_t)>::value> {
+};
+#else
+template <class T>
+struct has_destroying_delete : std::false_type {};
+#endif
+
+/// The deallocation function of `delete static_cast<T*>(p)`: [expr.delete] in the C++ standard.
+template <class T>
+void deallocate(void* p) noexcept {
+  constexpr bool over_aligned = alignof(T) > __STDCPP_DEFAULT_NEW_ALIGNMENT__;
+  constexpr std::align_val_t alignment{alignof(T)};
+  constexpr bool plain = has_delete<T, void(void*)>::value;
+  constexpr bool sized = has_delete<T, void(void*, std::size_t)>::value;
+  constexpr bool aligned = has_delete<T, void(void*, std::align_val_t)>::value;
+  constexpr bool both = has_delete<T, void(void*, std::size_t, std::align_val_t)>::value;
+  // A member before a global one; one that takes the alignment if that matters, else one that does not; then the one
+  // without a size.
+  if constexpr (aligned && (over_aligned || !(plain || sized))) {
+    T::operator delete(p, alignment);
+  } else if constexpr (both && (over_aligned || !(plain || sized))) {
+    T::operator delete(p, sizeof(T), alignment);
+  } else if constexpr (plain) {
+    T::operator delete(p);
+  } else if constexpr (sized) {
+    T::operator delete(p, sizeof(T));
+  } else if constexpr (over_aligned) {
+    ::operator delete(p, alignment);
+  } else {
+#if defined(__cpp_sized_deallocation)
+    ::operator delete(p, sizeof(T));
+#else
+    ::operator delete(p);
+#endif
+  }
+}
+
+/// Whether *object is a T and nothing derived from it, as far as that can be known.
+template <class T>
+bool is_exactly([[maybe_unused]] const T& object) noexcept {
+  if constexpr (std::is_final<T>::value || !std::has_virtual_destructor<T>::value) {
+    return true;
+  } else {
+#if defined(__cpp_rtti)
+    return typeid(object) == typeid(T);
+#else
+    return false;
+#endif
+  }
+}
+
+/// Destroys the object and gives its memory to @p by. False if it is left to the caller, as it was.
+template <class T>
+bool hold_back(T* object, runtime::object_watch& by) noexcept {
+  if constexpr (std::is_destructible<T>::value && !has_destroying_delete<T>::value) {
+    if (is_exactly(*object)) {
+      using policy = policy_of<T>;
+      using header_type = header<policy>;
+      // Nothing is added to it, even by a program that goes on after a report.
+      constexpr std::uint64_t word = state_word::retired_flag | state_word::queued_flag;
+      void* const memory = object;
+      void* const place = &access::header_of(*object);
+      object->~T();
+      std::memset(memory, runtime::held_memory::pattern, sizeof(T));
+      auto* const header = new (place) header_type;
+      (void)policy::add(header->state, word);
+      header->link.store(header, std::memory_order_relaxed);  // (8) as mark_dying
+      by.hold({memory, sizeof(T), type_name<T>::get(), header, sizeof(header_type),
+               [](const void* of) noexcept {
+                 const auto& h = *static_cast<const header_type*>(of);
+                 return policy::load(h.state) == word &&
+                        h.link.load(std::memory_order_relaxed) == of;  // (8)
+               },
+               [](const runtime::held_memory& m) noexcept {
+                 static_cast<header_type*>(m.header)->~header_type();
+                 deallocate<T>(m.begin);
+               }});
+      return true;
+    }
+  }
+  by.let_go(object);
+  return false;
+}
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
@@ -794,6 +999,10 @@ state_word uncount_reference(T* object) noexcept {
 template <class T>
 void destroy_object(T* object) noexcept {
   detail::mark_dying(object);
+#if SLAMGC_DEBUG
+  if (auto* const watch = detail::watch())
+    if (detail::hold_back(object, *watch)) return;
+#endif
   delete object;
 }
 
@@ -1854,6 +2063,70 @@ class root_list {
 /// @file
 /// What all zero-count tables have in common, whatever the type of their objects.
 
+// ---- slamgc/stats.hpp ----
+/// @file
+/// What a domain can say about itself, as plain numbers.
+
+#include <vector>
+
+namespace slamgc {
+
+/// Numbers of the objects of one type in one domain.
+struct type_stats {
+  const char* type = "";        ///< The type, as the compiler spells it.
+  std::size_t object_size = 0;  ///< Bytes of one object, without what it allocates itself.
+  std::uint64_t created = 0;    ///< Objects made so far.
+  std::uint64_t live = 0;       ///< Objects that exist now.
+  std::uint64_t retired = 0;    ///< Objects declared dead so far; see retire().
+  std::uint64_t reclaimed = 0;  ///< Objects destroyed by collectors so far.
+  std::uint64_t stuck = 0;      ///< Retired objects with described edges that others refer to now.
+  std::uint64_t backlog = 0;    ///< Objects that wait for a collector now.
+
+  /// Bytes of the objects that exist now, without what they allocate themselves.
+  [[nodiscard]] std::uint64_t live_bytes() const noexcept { return live * object_size; }
+  /// Bytes of the objects destroyed by collectors so far, without what they had allocated themselves.
+  [[nodiscard]] std::uint64_t reclaimed_bytes() const noexcept { return reclaimed * object_size; }
+};
+
+/// Numbers of one registered thread.
+struct mutator_stats {
+  const char* name = "";  ///< The name it registered with.
+  bool online = false;    ///< Whether it may hold borrowed pointers.
+  bool delays = false;    ///< Whether the open grace period waits for it.
+};
+
+/// Whom reclamation waits for.
+struct delay {
+  const char* oldest = nullptr;  ///< Who holds the open grace period up, the longest; null: nobody.
+  std::chrono::nanoseconds age{0};  ///< For how long it has held it up.
+  std::uint64_t backlog = 0;        ///< Objects that wait.
+};
+
+/// Numbers of one domain.
+struct domain_stats {
+  std::vector<type_stats> types;                ///< One for each type of which an object was made.
+  std::vector<mutator_stats> mutators;          ///< One for each registered thread.
+  delay delayed;                                ///< Whom reclamation waits for.
+  std::uint64_t grace_periods = 0;              ///< Grace periods begun so far, by collecting.
+  std::chrono::nanoseconds longest_collect{0};  ///< Longest call of collect() so far.
+  std::uint64_t refused_collects = 0;  ///< Calls on threads that declared never to reclaim.
+
+  /// The sum of one number over all types.
+  [[nodiscard]] std::uint64_t total(std::uint64_t type_stats::*number) const noexcept {
+    std::uint64_t sum = 0;
+    for (const type_stats& t : types) sum += t.*number;
+    return sum;
+  }
+  /// Bytes of the objects of all types that exist now, without what they allocate themselves.
+  [[nodiscard]] std::uint64_t live_bytes() const noexcept {
+    std::uint64_t sum = 0;
+    for (const type_stats& t : types) sum += t.live_bytes();
+    return sum;
+  }
+};
+
+}  // namespace slamgc
+
 namespace slamgc {
 namespace runtime SLAMGC_SHARED {
 
@@ -2041,6 +2314,18 @@ class table_base {
   }
   /// Candidates.
   std::uint64_t stuck() const noexcept { return stuck_.load(std::memory_order_relaxed); }  // (12)
+  type_stats stats() const noexcept {
+    type_stats s;
+    s.type = type_name;
+    s.object_size = object_size;
+    s.created = sum(&door::created);
+    s.live = live();
+    s.retired = sum(&door::retired);
+    s.reclaimed = reclaimed();
+    s.stuck = stuck();
+    s.backlog = backlog();
+    return s;
+  }
   /// Objects that wait, if nobody changes it meanwhile; never less than none.
   std::uint64_t backlog() const noexcept {
     const std::uint64_t left = left_.load(std::memory_order_relaxed);  // (12)
@@ -2059,6 +2344,9 @@ class table_base {
   typename door::number reclaimed_{0};
   typename door::number left_{0};
   typename door::number stuck_{0};
+
+ public:
+  type_stats told;  // what hooks know; behind the doors, whose offsets the instructions depend on
 };
 
 }  // namespace SLAMGC_SHARED
@@ -2085,8 +2373,6 @@ class table_base {
 ///
 /// Trial deletion: Christopher 1984; Bacon and Rajan 2001; *The Garbage Collection Handbook*, 5.5. The use of versions in
 /// place of a second, synchronous walk is ours.
-
-#include <new>
 
 // ---- slamgc/detail/candidate.hpp ----
 /// @file
@@ -3113,66 +3399,49 @@ enum class waited {
 };
 
 }  // namespace slamgc
-// ---- slamgc/stats.hpp ----
+// ---- slamgc/diagnosis/hooks.hpp ----
 /// @file
-/// What a domain can say about itself, as plain numbers.
-
-#include <vector>
+/// What a domain tells a profiler.
 
 namespace slamgc {
 
-/// Numbers of the objects of one type in one domain.
-struct type_stats {
-  const char* type = "";        ///< The type, as the compiler spells it.
-  std::size_t object_size = 0;  ///< Bytes of one object, without what it allocates itself.
-  std::uint64_t created = 0;    ///< Objects made so far.
-  std::uint64_t live = 0;       ///< Objects that exist now.
-  std::uint64_t retired = 0;    ///< Objects declared dead so far; see retire().
-  std::uint64_t reclaimed = 0;  ///< Objects destroyed by collectors so far.
-  std::uint64_t stuck = 0;      ///< Retired objects with described edges that others refer to now.
-  std::uint64_t backlog = 0;    ///< Objects that wait for a collector now.
+/// One call of collect() that was not refused: a slice of a domain's collection.
+struct slice_stats {
+  using time_point = std::chrono::steady_clock::time_point;  ///< When something was.
 
-  /// Bytes of the objects that exist now, without what they allocate themselves.
-  [[nodiscard]] std::uint64_t live_bytes() const noexcept { return live * object_size; }
-  /// Bytes of the objects destroyed by collectors so far, without what they had allocated themselves.
-  [[nodiscard]] std::uint64_t reclaimed_bytes() const noexcept { return reclaimed * object_size; }
+  collected did;                     ///< What the call returns.
+  time_point begin;                  ///< When it began.
+  std::chrono::nanoseconds took{0};  ///< How long it took.
+  std::uint64_t grace_periods = 0;   ///< Grace periods that began in it.
+  delay delayed;                     ///< Whom the domain waits for at its end.
 };
 
-/// Numbers of one registered thread.
-struct mutator_stats {
-  const char* name = "";  ///< The name it registered with.
-  bool online = false;    ///< Whether it may hold borrowed pointers.
-  bool delays = false;    ///< Whether the open grace period waits for it.
-};
+/// What a domain calls while it collects: derive from this, override what is wanted, and install() it.
+///
+/// All functions are called in collect(), on the thread that collects, one at a time for one domain. They must not throw, and
+/// must not collect, count or retire. They may read stats() of the domain.
+///
+/// Without hooks a call of collect() has one branch more. With hooks it sums up the numbers of all types, twice
+/// at most: O(types + mutators), as stats().
+class collector_hooks {
+ public:
+  using time_point = slice_stats::time_point;  ///< When something was.
 
-/// Whom reclamation waits for.
-struct delay {
-  const char* oldest = nullptr;  ///< Who holds the open grace period up, the longest; null: nobody.
-  std::chrono::nanoseconds age{0};  ///< For how long it has held it up.
-  std::uint64_t backlog = 0;        ///< Objects that wait.
-};
+  virtual ~collector_hooks() = default;
 
-/// Numbers of one domain.
-struct domain_stats {
-  std::vector<type_stats> types;                ///< One for each type of which an object was made.
-  std::vector<mutator_stats> mutators;          ///< One for each registered thread.
-  delay delayed;                                ///< Whom reclamation waits for.
-  std::uint64_t grace_periods = 0;              ///< Grace periods begun so far, by collecting.
-  std::chrono::nanoseconds longest_collect{0};  ///< Longest call of collect() so far.
-  std::uint64_t refused_collects = 0;  ///< Calls on threads that declared never to reclaim.
-
-  /// The sum of one number over all types.
-  [[nodiscard]] std::uint64_t total(std::uint64_t type_stats::*number) const noexcept {
-    std::uint64_t sum = 0;
-    for (const type_stats& t : types) sum += t.*number;
-    return sum;
-  }
-  /// Bytes of the objects of all types that exist now, without what they allocate themselves.
-  [[nodiscard]] std::uint64_t live_bytes() const noexcept {
-    std::uint64_t sum = 0;
-    for (const type_stats& t : types) sum += t.live_bytes();
-    return sum;
-  }
+  /// A slice begins.
+  virtual void slice_begins(time_point) noexcept {}
+  /// The grace period with this number, which was open when the slice began, is over. Told before the slice ends; that it is
+  /// over was found at @p when.
+  virtual void grace_period_closed(std::uint64_t /*number*/, time_point /*when*/) noexcept {}
+  /// The slice ends while the grace period with this number is open, since @p when. (Those that begin and end within one slice are
+  /// in its numbers only.)
+  virtual void grace_period_opened(std::uint64_t /*number*/, time_point /*when*/) noexcept {}
+  /// The numbers of one type at the end of the slice, if they are others than at the end of the last one; @p reclaimed objects of
+  /// the type were destroyed since then. The type's name stays valid, at its address.
+  virtual void objects(const type_stats& /*now*/, std::uint64_t /*reclaimed*/) noexcept {}
+  /// The slice ends.
+  virtual void slice_ended(const slice_stats&) noexcept {}
 };
 
 }  // namespace slamgc
@@ -3261,18 +3530,9 @@ class collection {
     // (21) acquire: sees what the last collector left behind.
     if (collecting_.exchange(true, std::memory_order_acquire)) return {outcome::busy, 0};
     const auto begin = clock::now();
-    for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
-      if (p->domain == &of) p->publish();
-    collected done;
-    {
-      participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
-      const participation<Env> as_collector(me);
-      me.pass_quiescent_state();
-      work_limit<Env> work(limit.objects, limit.time, begin);
-      purge_.begin_call(thorough);
-      done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
-      me.publish();
-    }
+    purge_.begin_call(thorough);
+    const collected done =
+        hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);
     const std::int64_t took = std::chrono::nanoseconds(clock::now() - begin).count();
     if (took > longest_.load(std::memory_order_relaxed))  // (12)
       longest_.store(took, std::memory_order_relaxed);    // (12)
@@ -3286,6 +3546,14 @@ class collection {
     backlog_limit_ = limit;
     backlog_hook_ = hook;
     backlog_context_ = context;
+  }
+
+  void install(domain& of, collector_hooks* hooks) noexcept {
+    hooks_ = hooks;
+    for (table* t = of.tables(); t != nullptr; t = t->next) {
+      t->told = t->stats();
+      t->told.object_size = 0;  // of no type: they are told the next time
+    }
   }
 
   trial_deletion<Env>& trial() noexcept { return trial_; }
@@ -3321,6 +3589,54 @@ class collection {
   using clock = clock_of<Env>;
   using table = table_base<Env>;
   enum class phase { noting, waiting, deciding, purging };
+
+  collected slice(domain& of, const budget& limit, typename clock::time_point begin) noexcept {
+    for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
+      if (p->domain == &of) p->publish();
+    collected done;
+    {
+      participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
+      const participation<Env> as_collector(me);
+      me.pass_quiescent_state();
+      work_limit<Env> work(limit.objects, limit.time, begin);
+      done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
+      me.publish();
+    }
+    return done;
+  }
+
+  /// The same, with hooks.
+  __attribute__((noinline)) collected told_slice(domain& of, const budget& limit,
+                                                 typename clock::time_point begin) noexcept {
+    const std::uint64_t before = grace_periods();
+    const bool was_open = open() != 0;
+    hooks_->slice_begins(begin);
+    slice_stats told;
+    told.did = slice(of, limit, begin);
+    told.begin = begin;
+    told.grace_periods = grace_periods() - before;
+    const bool others = told.grace_periods != 0;
+    if (was_open && (others || open() == 0)) hooks_->grace_period_closed(before, begin);
+    if (others && open() != 0) {
+      const std::chrono::nanoseconds when(opened_.load(std::memory_order_relaxed));  // (12)
+      hooks_->grace_period_opened(grace_periods(), typename clock::time_point(when));
+    }
+    for (table* t = of.tables(); t != nullptr; t = t->next) {
+      const type_stats now = t->stats();
+      if (same_numbers(now, t->told)) continue;
+      hooks_->objects(now, now.reclaimed - t->told.reclaimed);
+      t->told = now;
+    }
+    told.delayed = delayed(of);
+    told.took = clock::now() - begin;
+    hooks_->slice_ended(told);
+    return told.did;
+  }
+  static bool same_numbers(const type_stats& a, const type_stats& b) noexcept {
+    return a.object_size == b.object_size && a.created == b.created && a.live == b.live &&
+           a.retired == b.retired && a.reclaimed == b.reclaimed && a.stuck == b.stuck &&
+           a.backlog == b.backlog;
+  }
 
   outcome run(domain& of, participant<Env>& me, work_limit<Env>& work,
               std::size_t& reclaimed) noexcept {
@@ -3415,6 +3731,7 @@ class collection {
   std::uint64_t backlog_limit_ = 0;
   void (*backlog_hook_)(const delay&, void*) = nullptr;
   void* backlog_context_ = nullptr;
+  collector_hooks* hooks_ = nullptr;
 };
 
 }  // namespace SLAMGC_SHARED
@@ -4509,20 +4826,8 @@ class basic_domain {
 
   /// The numbers of now. Exact while no thread changes them. Throws std::bad_alloc. O(types + mutators).
   [[nodiscard]] domain_stats stats() const {
-    using door = runtime::table_door<Env>;
     domain_stats all;
-    for (table* t = state_->tables(); t != nullptr; t = t->next) {
-      type_stats s;
-      s.type = t->type_name;
-      s.object_size = t->object_size;
-      s.created = t->sum(&door::created);
-      s.live = t->live();
-      s.retired = t->sum(&door::retired);
-      s.reclaimed = t->reclaimed();
-      s.stuck = t->stuck();
-      s.backlog = t->backlog();
-      all.types.push_back(s);
-    }
+    for (table* t = state_->tables(); t != nullptr; t = t->next) all.types.push_back(t->stats());
     const auto& collection = state_->collection;
     for (auto* r = state_->first_record(); r != nullptr; r = r->next) {
       if (!r->taken.load(std::memory_order_relaxed)) continue;            // (12)
@@ -4549,6 +4854,10 @@ class basic_domain {
                   void* context = nullptr) noexcept {
     state_->collection.on_backlog(limit, hook, context);
   }
+
+  /// Calls @p hooks in collect() from now on; null: nobody. They must outlive the domain, or be replaced before. Not to be called
+  /// while another thread collects.
+  void install(collector_hooks* hooks) noexcept { state_->collection.install(*state_, hooks); }
 
  private:
   using outcome = collected::outcome;
@@ -4701,6 +5010,8 @@ struct deferred : deferred_base {
       SLAMGC_ASSERT(w.count() != 0,
                     (misuse_of(object, "removes a reference that was never counted")));
       if (w.count() == 0 || w.is_saturated()) return;
+      // Not afterwards: it may be gone then.
+      if (w.count() == 1 && watch() != nullptr) watch()->falls_to_zero(object, type_name<T>::get());
       // The fall to zero and `queued` are one change. Between two, a collector could bring the object through
       // the table and free it, and this thread, if it is no mutator, would touch it afterwards.
       const bool enters = w.count() == 1 && !w.is_queued() && (AtZero || w.is_retired());
@@ -4766,10 +5077,17 @@ bool retire(T* p) noexcept {
   using object = detail::object_of<T>;
   if (p == nullptr) return false;
   auto* const target = const_cast<object*>(static_cast<const object*>(p));
+  if (detail::was_reclaimed(target)) {
+    SLAMGC_ASSERT(
+        false, (misuse{"retires an object that was reclaimed", detail::type_name<T>::get(), p, 0}));
+    return false;
+  }
   auto& state = detail::access::header_of(*target).state;
   std::uint64_t now = policy::load(state);
   for (;;) {
     const state_word w{now};
+    SLAMGC_ASSERT(!(w.is_retired() && detail::reports_double_retire()),
+                  (detail::misuse_of(target, "retires an object that was retired before")));
     if (w.is_retired()) return false;
     // With described edges it is a candidate for trial deletion, whoever refers to it.
     const bool enters = !w.is_queued() && (w.count() == 0 || detail::has_edges<object>::value);
@@ -4780,6 +5098,8 @@ bool retire(T* p) noexcept {
     const std::uint64_t then =
         now | state_word::retired_flag | (enters ? state_word::queued_flag : 0);
     if (!policy::compare_exchange(state, now, then)) continue;
+    if (detail::watch() != nullptr)
+      detail::watch()->retired(target, detail::type_name<object>::get());
     if (table == nullptr) return true;
     SLAMGC_ASSERT(detail::may_borrow_from(table->domain),
                   (misuse{"retires an object of another domain than the thread's",
@@ -5251,6 +5571,11 @@ class borrow {
                   (misuse{"borrows on a thread that is no online mutator",
                           detail::type_name<T>::get(), p, 0}));
     passed_ = me != nullptr ? me->passed : 0;
+    if (auto* const watch = detail::watch()) {
+      SLAMGC_ASSERT(!watch->holds(p), (misuse{"borrows an object that was reclaimed",
+                                              detail::type_name<T>::get(), p, 0}));
+      place_ = watch->here();
+    }
 #endif
   }
   /// Borrows what @p from, a slot or an element of a container, refers to now.
@@ -5281,9 +5606,10 @@ class borrow {
     const auto* me = runtime::participants<Env>::of_this_thread().innermost;
     while (me != nullptr && !(me->may_borrow() && me->passed == passed_)) me = me->outer;
     SLAMGC_ASSERT(me != nullptr, (misuse{"uses a borrowed pointer after a quiescent state",
-                                         detail::type_name<T>::get(), p_, 0}));
+                                         detail::type_name<T>::get(), p_, 0, place_}));
   }
   std::uint64_t passed_;
+  std::uint32_t place_ = 0;  // in the program, for reports
 #else
   void check() const noexcept {}
 #endif
@@ -7005,6 +7331,7 @@ class retire_set {
       if (state_word{now}.is_retired()) return false;
     } while (!policy::compare_exchange(state, now,
                                        now | state_word::retired_flag | state_word::queued_flag));
+    if (detail::watch() != nullptr) detail::watch()->retired(object, detail::type_name<T>::get());
     push(object);
     return true;
   }

@@ -8,6 +8,7 @@
 
 #include "../env.hpp"
 #include "../fwd.hpp"
+#include "../stats.hpp"
 #include "clock.hpp"
 #include "participant.hpp"
 
@@ -198,6 +199,18 @@ class table_base {
   }
   /// Candidates.
   std::uint64_t stuck() const noexcept { return stuck_.load(std::memory_order_relaxed); }  // (12)
+  type_stats stats() const noexcept {
+    type_stats s;
+    s.type = type_name;
+    s.object_size = object_size;
+    s.created = sum(&door::created);
+    s.live = live();
+    s.retired = sum(&door::retired);
+    s.reclaimed = reclaimed();
+    s.stuck = stuck();
+    s.backlog = backlog();
+    return s;
+  }
   /// Objects that wait, if nobody changes it meanwhile; never less than none.
   std::uint64_t backlog() const noexcept {
     const std::uint64_t left = left_.load(std::memory_order_relaxed);  // (12)
@@ -216,6 +229,9 @@ class table_base {
   typename door::number reclaimed_{0};
   typename door::number left_{0};
   typename door::number stuck_{0};
+
+ public:
+  type_stats told;  // what hooks know; behind the doors, whose offsets the instructions depend on
 };
 
 }  // namespace SLAMGC_SHARED
