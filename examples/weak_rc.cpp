@@ -21,7 +21,8 @@ int main() {
     map.insert(pKF);
     mLastKeyFrame = slamgc::weak_rc<KeyFrame>(pKF);
     address = pKF;
-    if (const auto locked = mLastKeyFrame.lock()) std::printf("keyframe %d is there\n", locked->mnId);
+    if (const auto locked = mLastKeyFrame.lock())
+      std::printf("keyframe %d is there\n", locked->mnId);
 
     map.erase(pKF);  // culled
     slamgc::retire(pKF);

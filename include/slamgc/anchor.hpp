@@ -129,9 +129,11 @@ class anchor {
   /// Null: refers to nothing.
   constexpr anchor(std::nullptr_t) noexcept {}
   /// Refers to @p p. By an online mutator of the object's domain, or who holds a counted reference.
-  explicit anchor(T* p) noexcept : block_(p != nullptr ? detail::owner_of<Env>(*p).get() : nullptr) {
-    static_assert(std::is_base_of<enable_anchor<T, Record, Env>, T>::value,
-                  "slamgc: an anchor<T, Record> refers to a T that derives from enable_anchor<T, Record>");
+  explicit anchor(T* p) noexcept
+      : block_(p != nullptr ? detail::owner_of<Env>(*p).get() : nullptr) {
+    static_assert(
+        std::is_base_of<enable_anchor<T, Record, Env>, T>::value,
+        "slamgc: an anchor<T, Record> refers to a T that derives from enable_anchor<T, Record>");
   }
   /// Refers to the same object.
   anchor(const intrusive_rc<T>& p) noexcept : anchor(p.get()) {}
@@ -144,7 +146,8 @@ class anchor {
   /// Calls `on_object(T&)`, and keeps the object meanwhile; or `on_record(const Record&)`, if the object has expired.
   /// Returns what they return. On an online mutator of the object's domain. Not of a null anchor.
   template <class OnObject, class OnRecord>
-  std::common_type_t<std::invoke_result_t<OnObject, T&>, std::invoke_result_t<OnRecord, const Record&>>
+  std::common_type_t<std::invoke_result_t<OnObject, T&>,
+                     std::invoke_result_t<OnRecord, const Record&>>
   read(OnObject&& on_object, OnRecord&& on_record) const {
     SLAMGC_ASSERT(block_ != nullptr,
                   (misuse{"reads a null anchor", detail::type_name<T>::get(), nullptr, 0}));

@@ -39,9 +39,10 @@ class enable_weak_rc : public detail::block_owner<T, Env> {
  protected:
   /// No weak handle yet.
   enable_weak_rc() noexcept {
-    static_assert(detail::is_deferred<T>::value,
-                  "slamgc: weak handles need a deferred reclaimer: another thread could destroy the "
-                  "object before lock() has counted it");
+    static_assert(
+        detail::is_deferred<T>::value,
+        "slamgc: weak handles need a deferred reclaimer: another thread could destroy the "
+        "object before lock() has counted it");
   }
   /// A copy is a new object.
   enable_weak_rc(const enable_weak_rc&) noexcept : enable_weak_rc() {}

@@ -7,7 +7,8 @@ using reclaimer = slamgc::reclaim_retired;
 using reclaimer = slamgc::reclaim_at_zero;
 #endif
 
-struct frame : slamgc::rc_object<frame, slamgc::fetch_add_counter, reclaimer>, slamgc::enable_anchor<frame, int> {
+struct frame : slamgc::rc_object<frame, slamgc::fetch_add_counter, reclaimer>,
+               slamgc::enable_anchor<frame, int> {
   int record() { return 1; }
 };
 

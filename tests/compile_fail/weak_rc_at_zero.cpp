@@ -7,6 +7,7 @@ using reclaimer = slamgc::reclaim_deferred;
 using reclaimer = slamgc::reclaim_at_zero;
 #endif
 
-struct frame : slamgc::rc_object<frame, slamgc::fetch_add_counter, reclaimer>, slamgc::enable_weak_rc<frame> {};
+struct frame : slamgc::rc_object<frame, slamgc::fetch_add_counter, reclaimer>,
+               slamgc::enable_weak_rc<frame> {};
 
 frame* make() { return new frame; }

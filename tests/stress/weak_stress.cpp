@@ -135,10 +135,9 @@ TYPED_TEST(WeakStress, PollingLockersMeetACollector) {
 
 // The first handle of an object is made by several threads at once.
 TYPED_TEST(WeakStress, BlocksAreMadeOnce) {
-  struct plain_node
-      : slamgc::rc_object<plain_node, slamgc::basic_fetch_add_counter<TypeParam>,
-                          slamgc::reclaim_deferred>,
-        slamgc::enable_weak_rc<plain_node, TypeParam> {};
+  struct plain_node : slamgc::rc_object<plain_node, slamgc::basic_fetch_add_counter<TypeParam>,
+                                        slamgc::reclaim_deferred>,
+                      slamgc::enable_weak_rc<plain_node, TypeParam> {};
   using weak = slamgc::weak_rc<plain_node, TypeParam>;
   slamgc::basic_domain<TypeParam> domain;
   slamgc::rc_slot<plain_node, TypeParam> root;

@@ -82,11 +82,13 @@ struct has_block : std::bool_constant<!std::is_void<owner_type<T>>::value> {};
 template <class Env, class T>
 const block_owner<object_of<T>, Env>& owner_of(const T& p) noexcept {
   using object = object_of<T>;
-  static_assert(std::is_same<owner_type<object>, block_owner<object, Env>>::value,
-                "slamgc: the class that derives from rc_object must also derive publicly, and once, from "
-                "enable_weak_rc or enable_anchor, with the environment of its counter policy");
-  static_assert(std::is_same<Env, typename policy_of<T>::env>::value,
-                "slamgc: enable_weak_rc and enable_anchor take the environment of the counter policy");
+  static_assert(
+      std::is_same<owner_type<object>, block_owner<object, Env>>::value,
+      "slamgc: the class that derives from rc_object must also derive publicly, and once, from "
+      "enable_weak_rc or enable_anchor, with the environment of its counter policy");
+  static_assert(
+      std::is_same<Env, typename policy_of<T>::env>::value,
+      "slamgc: enable_weak_rc and enable_anchor take the environment of the counter policy");
   return p;
 }
 

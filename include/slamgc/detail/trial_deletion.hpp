@@ -360,7 +360,8 @@ class trial_deletion {
     return block != nullptr && !block->is_dead() ? block : nullptr;
   }
   static void disturbed(candidate_type& c) noexcept {
-    if (!state_word{c.noted}.is_retired()) return;  // only what is retired may expire while it is referred to
+    if (!state_word{c.noted}.is_retired())
+      return;  // only what is retired may expire while it is referred to
     if (side_block<Env>* const block = block_of(c)) block->disturbed();
   }
   /// Without memory this round finds nothing; another one will.

@@ -359,7 +359,8 @@ TEST(WeakRc, OutlivesTheDomain) {
 
 TEST(WeakRc, InADestructorThatACollectorRuns) {
   struct reader : slamgc::rc_object<reader, slamgc::fetch_add_counter, slamgc::reclaim_deferred> {
-    explicit reader(weak_rc<deferred_node> handle, bool& found) : w(std::move(handle)), there(found) {}
+    explicit reader(weak_rc<deferred_node> handle, bool& found)
+        : w(std::move(handle)), there(found) {}
     ~reader() { there = w.lock() != nullptr; }
     weak_rc<deferred_node> w;
     bool& there;
