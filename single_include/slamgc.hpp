@@ -1286,6 +1286,8 @@ class counted_container;
 template <class T, class Std, class Reference, class Iterator>
 Reference reference_in(const counted_container<T, Std, Reference, Iterator>&);
 
+struct element_mapped;
+
 /// Removes elements from a companion of a purged sequence, in step with it.
 template <class Companion>
 class companion_cursor {
@@ -1468,11 +1470,18 @@ struct edge_keyed : edge_container<Container> {
   template <class Stale>
   static void purge(Container& member, on_retire::erase_edge, Stale& stale) {
     using pointer = decltype(reference()(*member.raw().begin()));
-    using target = std::remove_pointer_t<pointer>;
-    if constexpr (std::is_same<typename Container::key_type, target*>::value) {
-      // By look-up, where that is less work than a walk.
+    using target = std::remove_cv_t<std::remove_pointer_t<pointer>>;
+    // By look-up, where that is less work than a walk. What a purge knows are objects, not derived ones.
+    if constexpr (!std::is_same<reference, element_mapped>::value &&
+                  std::is_same<target, object_of<target>>::value) {
       if (stale.few(member.size())) {
-        stale.template each<target>([&](target* p) { return member.erase(p) != 0; });
+        stale.template each<target>([&](target* p) {
+          const auto at = member.find(p);
+          if (at == member.end() || reference()(*at) != p)
+            return false;  // or just an equivalent one
+          member.erase(at);
+          return true;
+        });
         return;
       }
     }
@@ -2014,11 +2023,11 @@ class root_list {
     return *made;
   }
   static void put(place& p) noexcept {
+    p.suspicion.store(place::no, std::memory_order_relaxed);  // (31) of its last user.
     p.state.store(place::rooted, std::memory_order_release);  // (31) its content, to visit().
   }
   /// Waits while a collector is in its edges().
   static void remove(place& p) noexcept {
-    p.suspicion.store(place::no, std::memory_order_relaxed);  // (31)
     std::uint32_t state = place::rooted;
     // (31) acquire: what the collector did in there is over; release: to take().
     while (!p.state.compare_exchange_weak(state, place::free, std::memory_order_acq_rel,
@@ -2029,11 +2038,11 @@ class root_list {
   }
   void want_suspicion(place& p) noexcept {
     p.suspicion.store(place::wanted, std::memory_order_relaxed);  // (31)
-    suspicions_.fetch_add(1, std::memory_order_relaxed);          // (31) a collector looks later.
+    suspicions_.fetch_add(1, std::memory_order_release);          // (31) so that the wish is seen.
   }
   /// Whether one was wanted since the last time.
   bool any_suspected() noexcept {
-    const std::uint64_t now = suspicions_.load(std::memory_order_relaxed);  // (31)
+    const std::uint64_t now = suspicions_.load(std::memory_order_acquire);  // (31)
     return now != std::exchange(suspicions_seen_, now);
   }
   /// Calls f(place) for each root; for those of mutators, too, if @p all. By a collector. A root that ends meanwhile is
@@ -2717,9 +2726,9 @@ class side_block {
   unsigned disturbed_ = 0;
 };
 
-/// Decides on one object, whose word @p sealed looks at.
+/// Decides on one object, whose word @p sealed looks at. Returns whether it dies.
 template <class Env, class Sealed>
-void decide_alone(decision<Env>& by, side_block<Env>& block, Sealed sealed) noexcept {
+bool decide_alone(decision<Env>& by, side_block<Env>& block, Sealed sealed) noexcept {
   by.open();
   block.mark(by);
   bool dies = sealed();
@@ -2731,6 +2740,7 @@ void decide_alone(decision<Env>& by, side_block<Env>& block, Sealed sealed) noex
     block.expire();
   else
     block.unmark();
+  return dies;
 }
 
 }  // namespace SLAMGC_SHARED
@@ -2779,7 +2789,8 @@ class trial_deletion {
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
       // stored it yet will have done so after a grace period: so one more round after the last change.
       const bool worth_it = changed_ || unsettled_;
-      unsettled_ = changed_;
+      // After a purge, too: owners of roots join it at their next quiescent state.
+      unsettled_ = changed_ || std::exchange(purged_, false);
       start(worth_it ? phase::recording : phase::idle);
     }
     if (phase_ == phase::recording) {
@@ -2796,6 +2807,7 @@ class trial_deletion {
         roots_->visit([this](const root_place<Env>& root) {
           if (root.is_suspected()) root.operations->record(root.described, *this);
         });
+        if (out_of_memory_) return give_up();
       }
       start(phase::excluding);
     }
@@ -2871,10 +2883,10 @@ class trial_deletion {
   template <class F>
   void begin_purge(F f) noexcept {
     unpurged_ = false;
-    unsettled_ = true;
+    unsettled_ = purged_ = true;
     auto at = all_.begin();
     while (candidate_type* const c = at.next()) {
-      c->purged = true;
+      c->purged = !c->fresh;  // else the references from candidates are not known yet
       c->purged_version = state_word{c->table->word_of(c->object)}.version();
       c->held = 0;
       f(*c);
@@ -2930,7 +2942,7 @@ class trial_deletion {
     if (c.live) return;
     c.live = true;
     --left_;
-    if (phase_ == phase::excluding &&
+    if (phase_ == phase::excluding && !c.suspect &&
         (!c.purged || c.purged_version != state_word{c.noted}.version()))
       unpurged_ = true;
     c.next_marked = marked_;
@@ -2975,7 +2987,7 @@ class trial_deletion {
         }
         if (!limit.spend()) return false;
       }
-      unsettled_ = unsettled_ || phase_ == phase::unmarking;
+      // What made the decision fail has changed a word: there will be another round.
       phase_ = phase_ == phase::expiring ? phase::expired : phase::idle;
     }
     return true;
@@ -3008,7 +3020,6 @@ class trial_deletion {
         c->table->condemn(c->object);
         c->suspect = false;
         c->fresh = true;
-        unsettled_ = true;
       }
       if (c->suspect) {
         c->table->leave(c->object);
@@ -3018,6 +3029,7 @@ class trial_deletion {
     }
     all_.trim();
     suspecting_ = false;
+    unsettled_ = true;  // what was found among the retired ones was only left out
     roots_->visit([](root_place<Env>& root) { root.end_suspicion(); });
     start(phase::idle);
     return true;
@@ -3033,6 +3045,7 @@ class trial_deletion {
   runtime::decision<Env> decision_;
   candidate_list<Env> all_;
   typename candidate_list<Env>::cursor at_;  // in this phase
+  bool purged_ = false;                      // since the last round began
   candidate_type* walked_ = nullptr;
   edge_list<Env> edges_;
   std::size_t left_ = 0;              // candidates of this round that are not excluded
@@ -3059,13 +3072,14 @@ class purge {
   bool at_work() const noexcept { return at_work_; }
   /// Whether there is reason to begin one.
   bool due(const trial_deletion<Env>& trial) const noexcept {
-    return !at_work_ && (trial.unpurged() || retry_in_ == 1);
+    return !at_work_ && !gave_up_ && (trial.unpurged() || retry_in_ == 1);
   }
   /// A call of collect() begins. If it is @p thorough, nothing is put off.
   void begin_call(bool thorough) noexcept {
-    if (retry_in_ > 1) retry_in_ = thorough ? 1 : retry_in_ - 1;
+    if (retry_in_ > 1) retry_in_ = thorough || gave_up_ ? 1 : retry_in_ - 1;
+    gave_up_ = false;
   }
-  /// Goes on, or begins. False if the limit or the memory came to its end first.
+  /// Goes on, or begins. False if the limit came first.
   bool run(root_list<Env>& roots, trial_deletion<Env>& trial, std::size_t live_objects,
            work_limit<Env>& limit) noexcept {
     if (!at_work_) {
@@ -3082,9 +3096,9 @@ class purge {
       });
     }
     while (!walk_.at_end() && !walk_.out_of_memory()) {
-      if (!limit.spend()) return false;
       const auto item = walk_.next();
       item.type->purge_by_collector(item.object, *this);
+      if (!limit.spend()) return false;
     }
     if (walk_.out_of_memory()) return give_up();
     bool explained = true;
@@ -3123,11 +3137,12 @@ class purge {
   }
 
  private:
-  /// The next call tries again.
+  /// The next call tries again; meanwhile there may be memory to reclaim.
   bool give_up() noexcept {
+    gave_up_ = true;
     retry_in_ = 2;
     finish();
-    return false;
+    return true;
   }
   void finish() noexcept {
     stuck_.clear();
@@ -3136,6 +3151,7 @@ class purge {
   }
 
   bool at_work_ = false;
+  bool gave_up_ = false;  // in this call, for want of memory
   std::uint64_t retry_after_ = 0;
   std::uint64_t retry_in_ = 0;  // calls; 1: now; 0: never
   address_table<stuck> stuck_;
@@ -4700,8 +4716,10 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
   bool has_expired(const entry& e) noexcept {
     auto* const block = this->block_of(e.object);
     if (block == nullptr || block->is_dead()) return true;
-    runtime::decide_alone(this->domain.collection.trial().decision(), *block,
-                          [&] { return seal(e.object, e.noted); });
+    if (!runtime::decide_alone(this->domain.collection.trial().decision(), *block,
+                               [&] { return seal(e.object, e.noted); }) &&
+        state_word{word_of(e.object)}.count() == 0)
+      block->disturbed();
     push(e.object);
     return false;
   }
@@ -7015,7 +7033,7 @@ class basic_mutator {
         (runtime::participants<Env>::any_in(
             *me_.domain, [this](const runtime::participant<Env>& p) { return &p == &me_; })),
         (misuse{"ends a mutator on another thread than its own", "mutator", this, 0}));
-    go_offline();
+    if (me_.online) go_offline();
     while (me_.roots != nullptr) me_.roots->leave();
     me_.domain->leave(record_);
     me_.domain->release();
@@ -7179,8 +7197,8 @@ class dropped_content final : public runtime::dropped_base<typename policy_of<T>
 /// map, the death of that map.
 ///
 /// clear() and the destructor take O(1), whatever the size: they hand the container over to the domain, whose collectors retire
-/// and drop its objects in slices. (If there is no memory for that, or if moving the container could throw, it is done at
-/// once, object by object.) Until then the references stay counted. Taking single objects out, by erase() and the like, retires
+/// and drop its objects in slices. (If there is no memory for that, if moving the container could throw, or if its allocator has
+/// a state, it is done at once, object by object.) Until then the references stay counted. Taking single objects out, by erase() and the like, retires
 /// nothing. Not copied, assigned or moved as a whole.
 ///
 /// Belongs to the domain that is current on the thread that makes it, as objects do.
@@ -7209,7 +7227,10 @@ class registry : public Container {
                   "slamgc: what a registry holds needs a deferred reclaimer");
     content& mine = detail::container_access::content_of(*this);
     if (mine.empty()) return;
-    if constexpr (std::is_nothrow_move_constructible<content>::value) {
+    // What an allocator with a state refers to may end with the registry.
+    if constexpr (std::is_nothrow_move_constructible<content>::value &&
+                  std::allocator_traits<
+                      typename Container::allocator_type>::is_always_equal::value) {
       using batch = detail::dropped_content<object, content, to_pointer>;
       if (auto* const dropped = new (std::nothrow) batch(std::move(mine))) {
         mine.clear();

@@ -244,4 +244,57 @@ TEST(AllocationFailure, ShortLivedThreadsDoNotMakeMemoryGrow) {
   EXPECT_EQ(in_threads, 1000);  // the objects
 }
 
+struct anchored : slamgc::rc_object<anchored, slamgc::fetch_add_counter, slamgc::reclaim_deferred>,
+                  slamgc::enable_anchor<anchored, int>,
+                  support::instances<anchored> {
+  int record() { return 7; }
+};
+struct weak : slamgc::rc_object<weak, slamgc::fetch_add_counter, slamgc::reclaim_deferred>,
+              slamgc::enable_weak_rc<weak>,
+              support::instances<weak> {};
+
+TEST(AllocationFailure, TheFirstWeakHandleThrowsAndLeavesTheObjectAlone) {
+  domain d;
+  {
+    const mutator m(d, "m");
+    auto p = make_rc<weak>();
+    {
+      const failing at(0);
+      EXPECT_THROW(slamgc::weak_rc<weak>{p}, std::bad_alloc);
+    }
+    const slamgc::weak_rc<weak> w(p);
+    const failing everything{failing::all()};
+    EXPECT_EQ(slamgc::weak_rc<weak>(p), w);  // the second one needs no memory
+    EXPECT_EQ(w.lock(), p);
+  }
+  EXPECT_EQ(d.collect().result, outcome::done);
+  EXPECT_EQ(weak::live(), 0);
+}
+
+TEST(AllocationFailure, AnAnchoredObjectThatFindsNoMemoryIsNotMade) {
+  domain d;
+  const mutator m(d, "m");
+  { const auto first = make_rc<anchored>(); }
+  const int before = anchored::live();
+  for (int n = 0; n != 2; ++n) {
+    const failing at(n);  // the object, and its block
+    EXPECT_THROW((void)make_rc<anchored>(), std::bad_alloc);
+  }
+  EXPECT_EQ(anchored::live(), before);
+}
+
+TEST(AllocationFailure, RecordsNeedNoMemoryWhenTheyAreMade) {
+  domain d;
+  slamgc::anchor<anchored, int> a;
+  {
+    const mutator m(d, "m");
+    for (int i = 0; i != 1000; ++i) a = make_rc<anchored>();
+  }
+  const failing everything{failing::all()};
+  EXPECT_EQ(d.collect().result, outcome::done);
+  EXPECT_EQ(anchored::live(), 0);
+  ASSERT_NE(a.record(), nullptr);
+  EXPECT_EQ(*a.record(), 7);
+}
+
 }  // namespace

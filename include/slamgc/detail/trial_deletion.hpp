@@ -275,7 +275,7 @@ class trial_deletion {
         }
         if (!limit.spend()) return false;
       }
-      unsettled_ = unsettled_ || phase_ == phase::unmarking;
+      // What made the decision fail has changed a word: there will be another round.
       phase_ = phase_ == phase::expiring ? phase::expired : phase::idle;
     }
     return true;

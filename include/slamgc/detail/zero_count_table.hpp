@@ -253,8 +253,10 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
   bool has_expired(const entry& e) noexcept {
     auto* const block = this->block_of(e.object);
     if (block == nullptr || block->is_dead()) return true;
-    runtime::decide_alone(this->domain.collection.trial().decision(), *block,
-                          [&] { return seal(e.object, e.noted); });
+    if (!runtime::decide_alone(this->domain.collection.trial().decision(), *block,
+                               [&] { return seal(e.object, e.noted); }) &&
+        state_word{word_of(e.object)}.count() == 0)
+      block->disturbed();
     push(e.object);
     return false;
   }
