@@ -89,6 +89,9 @@ struct pair_model : domain_model<Model, 2> {
         });
   }
   void after() {
+    if (kept != nullptr)
+      require(first.record() == nullptr && second.record() == nullptr,
+              "not expired while referred to");
     kept.reset();
     this->drain();
     require(linked::live == 0, "nothing is lost");

@@ -52,6 +52,7 @@ struct single_model : domain_model<Model, 2> {
     }
   }
   void after() {
+    if (kept != nullptr) require(!weak.expired(), "not expired while referred to");
     kept.reset();
     this->drain();
     require(single::live == 0, "nothing is lost");
