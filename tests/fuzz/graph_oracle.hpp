@@ -204,7 +204,7 @@ class oracle : public observer {
   void check_settled() {
     sync();
     check_counts();
-    const std::vector<bool> reached = in_reach();
+    const std::vector<bool> reached = in_reach(true);
     for (const unsigned id : existing_) {
       const record& r = of(id);
       if (r.dropped != 0) fail(*r.object, "was dropped by a registry and is still counted");
@@ -218,6 +218,8 @@ class oracle : public observer {
   }
 
  protected:
+  static constexpr std::size_t frame_previous = 2;  // the member of that name
+
   [[noreturn]] virtual void fail(const vertex& v, const char* what) = 0;
 
   // Without having been retired.
@@ -290,17 +292,29 @@ class oracle : public observer {
           }
     }
   }
-  // From boards, pins, what is borrowed, and what lives unretired.
-  std::vector<bool> in_reach() {
+  // From boards, pins, what is borrowed, and what lives unretired; and from rings that nobody describes.
+  std::vector<bool> in_reach(bool with_rings = false) {
     std::vector<bool> reached(records_.size());
     std::vector<unsigned> sources;
     for (const unsigned id : existing_) {
       const record& r = of(id);
       const bool lives = !r.retired && (!goes_at_zero(r) || r.edges != 0);
-      if (lives || r.pins != 0 || r.borrows != 0) sources.push_back(id);
+      if (lives || (with_rings && is_in_ring(id)) || r.pins != 0 || r.borrows != 0) sources.push_back(id);
     }
     follow(sources, reached);
     return reached;
+  }
+
+  // Of frames.
+  bool is_in_ring(unsigned id) {
+    unsigned at = id;
+    for (std::size_t steps = 0; steps != existing_.size() && of(at).type == kind::frame; ++steps) {
+      const auto& previous = of(at).members[frame_previous];
+      if (previous.empty()) return false;
+      at = previous[0].target->id;
+      if (at == id) return true;
+    }
+    return false;
   }
 
   void compare(vertex& v) {
@@ -310,7 +324,9 @@ class oracle : public observer {
     with_type(v, [&](auto& object) {
       object.members([&](const char*, auto& member, const auto& how) {
         const std::vector<reference>& known = of(v).members[i];
-        if (!read(member, how, found_)) fail(v, "has a companion that is out of step");
+        // Severing leaves companions as they are.
+        const bool in_step = read(member, how, found_) || (found_.empty() && of(v).retired);
+        if (!in_step) fail(v, "has a companion that is out of step");
         for (const reference& r : found_) check_intact(v, r);
         if (found_ != known) {
           if (may_become(info[i], known, found_)) {

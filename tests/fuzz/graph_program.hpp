@@ -603,10 +603,10 @@ class program final : public oracle {
   // Too many objects: what the program lost is retired, and one board forgets everything.
   void tidy() {
     settle();
-    for (const std::size_t id : existing_copy())
-      if (of(static_cast<unsigned>(id)).type != kind::board &&
-          of(static_cast<unsigned>(id)).pins == 0)
-        retire_quietly(*of(static_cast<unsigned>(id)).object);
+    for (const unsigned id : existing_copy())
+      if (of(id).type != kind::board &&
+          of(id).pins == 0)
+        give_up_on(*of(id).object);
     board& b = *boards_[next() % boards];
     for (std::size_t i = 0; i != members_of(b).size(); ++i) {
       if (members_of(b)[i].is_registry)
@@ -629,7 +629,9 @@ class program final : public oracle {
     }
   }
   std::vector<unsigned> existing_copy() const { return existing(); }
-  void retire_quietly(vertex& v) {
+  void give_up_on(vertex& v) {
+    if (v.type == kind::frame) unlink(v, frame_previous, 0);
+    retires(v);
     if (of(v).retired) return;
     const slamgc::mutator::online_scope online(*mutators_[0]);
     retire(v);
@@ -667,7 +669,7 @@ class program final : public oracle {
     ending_ = true;
     settle();
     for (const unsigned id : existing_copy())
-      if (of(id).object != nullptr && of(id).type != kind::board) retire_quietly(*of(id).object);
+      if (of(id).object != nullptr && of(id).type != kind::board) give_up_on(*of(id).object);
     settle();
     for (const unsigned id : existing())
       if (of(id).type != kind::board) fail(*of(id).object, "is left at the end");
