@@ -488,7 +488,7 @@ void transfer_members(transfer what, Member& from, Member& to) {
       to.store(from.load());
     else if (what == transfer::move)
       to.store(from.exchange(nullptr));
-    else
+    else if (&from != &to)
       from.store(to.exchange(from.exchange(nullptr)));
   } else if (what == transfer::copy) {
     to = from;
