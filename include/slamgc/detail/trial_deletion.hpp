@@ -282,6 +282,8 @@ class trial_deletion {
         c->next = free_;
         free_ = c;
       } else {
+        // Retired and found, but not in a round that destroys: in the next one.
+        unsettled_ = unsettled_ || !c->live;
         resolved_ = &c->next;
       }
       if (!limit.spend()) return false;
