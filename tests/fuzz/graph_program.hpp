@@ -142,8 +142,12 @@ class program final : public oracle {
   // A vertex whose members are read or changed: one that is borrowed, or a board.
   vertex& any_owner() {
     const unsigned from = next();
+    owner_borrowed_by_.reset();
     if (from % 4 != 0)
-      if (handle* const h = find_handle(from / 4, [](vertex&) { return true; })) return *h->object;
+      if (handle* const h = find_handle(from / 4, [](vertex&) { return true; })) {
+        owner_borrowed_by_ = h->borrowed_by;
+        return *h->object;
+      }
     return *boards_[from / 4 % boards];
   }
   vertex* any_object() {
@@ -278,7 +282,8 @@ class program final : public oracle {
     vertex& owner = any_owner();
     const std::size_t i = any_member(owner);
     const unsigned which = next();
-    const auto by = any_borrower();
+    // Threads do not pass borrowed pointers on: who borrowed the object reads its members.
+    const auto by = owner_borrowed_by_ ? owner_borrowed_by_ : any_borrower();
     if (!by) return;
     vertex* found = nullptr;
     // From the real member: whatever a collector did to it meanwhile.
@@ -813,6 +818,7 @@ class program final : public oracle {
   std::array<std::size_t, boards> owner_of_root_{};
   std::array<handle, 16> handles_;
   std::tuple<pins_of<keyframe>, pins_of<point>, pins_of<map>, pins_of<frame>> pins_;
+  std::optional<std::size_t> owner_borrowed_by_;  // of the last operand
   std::size_t last_handle_ = 0;
   std::size_t done_ = 0;
   bool ending_ = false;
