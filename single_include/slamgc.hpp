@@ -2787,8 +2787,9 @@ class trial_deletion {
         if (!limit.spend()) return false;
       }
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
-      // stored it yet will have done so after a grace period: so one more round after the last change.
-      const bool worth_it = changed_ || unsettled_;
+      // stored it yet will have done so after a grace period: so one more round after the last change. A round with suspects
+      // comes to its end, even if no root has any: else the suspicion would last.
+      const bool worth_it = changed_ || unsettled_ || suspecting_;
       // After a purge, too: owners of roots join it at their next quiescent state.
       unsettled_ = changed_ || std::exchange(purged_, false);
       start(worth_it ? phase::recording : phase::idle);
@@ -6974,7 +6975,7 @@ class rc_vector
 ///   void edges(Visitor& v) {
 ///     {
 ///       const std::lock_guard<std::mutex> lock(mMutexFeatures);
-///       v.edge("mvpMapPoints", mvpMapPoints);
+///       v.edge("mvpMapPoints", mvpMapPoints, slamgc::on_retire::null);
 ///     }
 ///     const std::lock_guard<std::mutex> lock(mMutexConnections);
 ///     v.edge("mpParent", mpParent);
@@ -6984,9 +6985,12 @@ class rc_vector
 ///
 /// One function per type names each counted member once. It takes the program's own locks, since other threads may
 /// change the members meanwhile; it may be called on any thread that collects, at any time while the object exists; it
-/// must not change, count or destroy anything itself, nor throw. Edges do not lead into another domain.
-/// collect() must not be called under a lock that an edges() takes. A member that is left out, or named twice, makes
-/// objects live on that nobody needs; it never makes one die too early.
+/// must not change, count or destroy anything itself. It should not throw: while it does, the object and what it refers to
+/// live on. Edges do not lead into another domain. collect() must not be called under a lock that an edges() takes. A member
+/// that is left out, or named twice, makes objects live on that nobody needs; it never makes one die too early.
+///
+/// The third argument is what becomes of the edge when its target is retired (dispositions.hpp); what is not an object but
+/// holds counted references describes them in the same way (root.hpp).
 
 // ---- slamgc/mutator.hpp ----
 /// @file

@@ -75,8 +75,9 @@ class trial_deletion {
         if (!limit.spend()) return false;
       }
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
-      // stored it yet will have done so after a grace period: so one more round after the last change.
-      const bool worth_it = changed_ || unsettled_;
+      // stored it yet will have done so after a grace period: so one more round after the last change. A round with suspects
+      // comes to its end, even if no root has any: else the suspicion would last.
+      const bool worth_it = changed_ || unsettled_ || suspecting_;
       // After a purge, too: owners of roots join it at their next quiescent state.
       unsettled_ = changed_ || std::exchange(purged_, false);
       start(worth_it ? phase::recording : phase::idle);
