@@ -3,6 +3,7 @@
 /// program includes in one place: `<mutex>` is large.
 #pragma once
 
+#include "anchor.hpp"
 #include "atomic_rc.hpp"
 #include "borrow.hpp"
 #include "containers/rc_list.hpp"
@@ -31,3 +32,4 @@
 #include "scoped_count.hpp"
 #include "stats.hpp"
 #include "version.hpp"
+#include "weak_rc.hpp"

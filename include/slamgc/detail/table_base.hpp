@@ -113,6 +113,8 @@ struct alignas(cache_line) table_door {
 
 template <class Env>
 class trial_deletion;
+template <class Env>
+class side_block;
 
 /// The part of a domain's zero-count table for objects of one type; see zero_count_table.hpp.
 template <class Env>
@@ -124,8 +126,9 @@ class table_base {
   static constexpr std::size_t first_of_mutators = 2;
   static constexpr std::size_t doors = first_of_mutators + Env::mutator_doors;
 
-  table_base(domain_state<Env>& d, const void* t, const char* name, std::size_t size) noexcept
-      : domain(d), type(t), type_name(name), object_size(size) {}
+  table_base(domain_state<Env>& d, const void* t, const char* name, std::size_t size,
+             bool blocks) noexcept
+      : domain(d), type(t), type_name(name), object_size(size), has_blocks(blocks) {}
   virtual ~table_base() = default;
   table_base(const table_base&) = delete;
   table_base& operator=(const table_base&) = delete;
@@ -143,6 +146,11 @@ class table_base {
   virtual bool walk(void* object, trial_deletion<Env>& trial) noexcept = 0;
   /// Drops all references. False if edges() threw.
   virtual bool sever(void* object) noexcept = 0;
+  /// The block of an object to which there may be weak handles, or null.
+  virtual side_block<Env>* block_of(void* object) const noexcept = 0;
+  /// Whether the word has the references that were noted: by a read-modify-write, which a lock() that it does not see
+  /// does see (decision.hpp).
+  virtual bool seal(void* object, std::uint64_t noted) noexcept = 0;
   virtual void destroy(void* object) noexcept = 0;
   /// It was a suspect: is retired, and stays.
   virtual void condemn(void* object) noexcept = 0;
@@ -153,6 +161,7 @@ class table_base {
   const void* const type;
   const char* const type_name;
   const std::size_t object_size;
+  const bool has_blocks;  // whether there may be weak handles to objects of the type
   table_base* next = nullptr;
 
   /// The calling thread's door, and its part in this domain if it has one.
