@@ -56,8 +56,8 @@ struct map_object
 /// A mutator that had borrowed the map clears it, while a collector finds the ring unreachable.
 template <class Model>
 struct clearing : domain_model<Model, 2> {
-  static constexpr unsigned random_executions = 20000;
-  static constexpr unsigned context_bound = 2;
+  static constexpr unsigned random_executions = 10000;
+  static constexpr unsigned context_bound = 1;
   slamgc::rc_slot<map_object, relacy_env> root;
   item* first = nullptr;
   bool was_cleared = false;
