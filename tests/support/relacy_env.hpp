@@ -84,7 +84,9 @@
 #include "slamgc/mutator.hpp"
 #include "slamgc/mutex_counter.hpp"
 #include "slamgc/rc_slot.hpp"
+#include "slamgc/registry.hpp"
 #include "slamgc/retire_set.hpp"
+#include "slamgc/root.hpp"
 #include "slamgc/weak_rc.hpp"
 
 /// Where an operation stands in the source, for relacy's report: the place of the call.

@@ -231,7 +231,7 @@ class trial_deletion {
     if (c.live) return;
     c.live = true;
     --left_;
-    if (phase_ == phase::excluding && !c.suspect &&
+    if (phase_ <= phase::excluding && !c.suspect &&
         (!c.purged || c.purged_version != state_word{c.noted}.version()))
       unpurged_ = true;
     c.next_marked = marked_;
@@ -328,13 +328,13 @@ class trial_deletion {
   bool changed_ = false;
   bool unsettled_ = false;
   bool unpurged_ = false;
+  bool purged_ = false;         // since the last round began
   bool any_blocks_ = false;     // some candidate's type has them
   bool marked_blocks_ = false;  // in this decision
   bool decided_ = false;        // so far, that all die
   runtime::decision<Env> decision_;
   candidate_list<Env> all_;
   typename candidate_list<Env>::cursor at_;  // in this phase
-  bool purged_ = false;                      // since the last round began
   candidate_type* walked_ = nullptr;
   edge_list<Env> edges_;
   std::size_t left_ = 0;              // candidates of this round that are not excluded

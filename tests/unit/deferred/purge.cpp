@@ -234,6 +234,28 @@ TEST_F(Purge, AnEdgeThatIsAddedBehindTheWalk) {
   EXPECT_EQ(top->stale, nullptr);
 }
 
+// As many references as were seen, but not the same ones: the version tells.
+TEST_F(Purge, AnEdgeThatIsAddedInPlaceOfAHeldOne) {
+  node* dead = nullptr;
+  {
+    const online scope(me);
+    chain(20);
+    held = dead = new node;
+    slamgc::retire(dead);
+  }
+  bool added = false;
+  node::afterwards = [&](node& at) {
+    if (&at != top->next->next || added) return;
+    added = true;
+    top->stale = dead;  // behind the walk
+    held = nullptr;
+  };
+  ASSERT_EQ(domain.drain(), waited::done);
+  EXPECT_TRUE(added);
+  EXPECT_EQ(top->stale, nullptr);
+  EXPECT_EQ(node::live(), 20);
+}
+
 TEST_F(Purge, AnEdgeThatMovesPastTheWalkAgainAndAgain) {
   node* dead = nullptr;
   {
