@@ -27,6 +27,12 @@ template <class T>
 struct has_edges<T, std::void_t<decltype(std::declval<T&>().edges(std::declval<edge_probe&>()))>>
     : std::true_type {};
 
+/// Stands for a type that describes none.
+struct no_edges {
+  template <class Visitor>
+  void edges(Visitor&) {}
+};
+
 template <class T>
 class zero_count_table;
 

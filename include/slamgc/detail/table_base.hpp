@@ -113,6 +113,8 @@ struct alignas(cache_line) table_door {
 
 template <class Env>
 class trial_deletion;
+template <class Env>
+struct described_operations;
 
 /// The part of a domain's zero-count table for objects of one type; see zero_count_table.hpp.
 template <class Env>
@@ -139,6 +141,7 @@ class table_base {
   // For trial deletion (trial_deletion.hpp), by the collector, of a candidate:
 
   virtual std::uint64_t word_of(const void* object) const noexcept = 0;
+  virtual const described_operations<Env>& operations() const noexcept = 0;
   /// Records each reference to a candidate. False if edges() threw.
   virtual bool walk(void* object, trial_deletion<Env>& trial) noexcept = 0;
   /// Drops all references. False if edges() threw.
