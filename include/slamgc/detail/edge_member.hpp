@@ -160,6 +160,7 @@ struct edge_sequence : edge_container<Container> {
   template <class... Companions, class Stale>
   static void purge(Container& member, const on_retire::erase_edge_with<Companions...>& how,
                     Stale& stale) {
+    if (member.empty()) return;  // some clear the sequence and forget its companions
     const bool in_step = std::apply(
         [&](auto&... c) { return (... && (c.size() == member.size())); }, how.companions);
     SLAMGC_ASSERT(in_step, (misuse{"describes a companion of another length than its sequence",
