@@ -61,7 +61,8 @@ class companion_cursor {
   std::size_t seen_ = 0;
 };
 
-/// What bypass puts in the place of @p p. Chains of retired objects may be circles.
+/// What bypass puts in the place of @p p. Chains of retired objects may be circles; in a retired object that is itself part of a
+/// long one, what comes after so many steps is nothing: else a map that died but for one object would take quadratic time.
 template <class T, class Next, class Stale>
 T* bypassed(T* p, const Next& next, Stale& stale) {
   T* mark = p;
@@ -69,7 +70,7 @@ T* bypassed(T* p, const Next& next, Stale& stale) {
   std::size_t next_mark = 1;
   do {
     p = next(*p);
-    if (p == mark) return nullptr;
+    if (p == mark || steps == stale.patience()) return nullptr;
     if (++steps == next_mark) {  // Brent 1980: the mark moves at powers of two
       mark = p;
       next_mark *= 2;

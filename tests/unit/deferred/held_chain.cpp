@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <slamgc/slamgc.hpp>
 #include <vector>
 
@@ -16,12 +17,15 @@ struct keyframe : slamgc::rc_object<keyframe, slamgc::fetch_add_counter, slamgc:
     if (keep_next)
       v.edge("next", next);
     else
-      v.edge("next", next,
-             slamgc::on_retire::bypass([](keyframe& retired) { return retired.next.get(); }));
+      v.edge("next", next, slamgc::on_retire::bypass([](keyframe& retired) {
+               ++steps;
+               return retired.next.get();
+             }));
   }
 
   bool keep_next = false;
   slamgc::rc_slot<keyframe> next;
+  static inline std::size_t steps = 0;
 };
 
 struct map {
@@ -76,5 +80,33 @@ class HeldChain : public ::testing::Test {
 TEST_F(HeldChain, KeepsItsFirstMember) { run(false, 8, 2); }
 
 TEST_F(HeldChain, KeepsWhatItsMembersHold) { run(true, 300, 300); }
+
+TEST(HeldMember, OfALongDeadChainCostsLinearTime) {
+  constexpr std::size_t n = 5000;
+  slamgc::domain d;
+  {
+    slamgc::mutator m(d, "mapping");
+    slamgc::registry<slamgc::rc_set<keyframe>> all;
+    map other;
+    const slamgc::root root(d, "map", other);
+    other.held = new keyframe;
+    keyframe* last = other.held;
+    all.insert(last);
+    for (std::size_t i = 1; i != n; ++i) {
+      last->next = new keyframe;
+      last = last->next;
+      all.insert(last);
+    }
+    keyframe::steps = 0;
+    all.clear();
+    const slamgc::mutator::offline_scope offline(m);
+    ASSERT_EQ(d.drain(), slamgc::waited::done);
+    EXPECT_EQ(keyframe::live(), 1);
+    EXPECT_GE(keyframe::steps, n - 1);
+    EXPECT_LE(keyframe::steps, 100 * n);
+  }
+  ASSERT_EQ(d.drain(), slamgc::waited::done);
+  EXPECT_EQ(keyframe::live(), 0);
+}
 
 }  // namespace
