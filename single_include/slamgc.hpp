@@ -1326,7 +1326,8 @@ class companion_cursor {
   std::size_t seen_ = 0;
 };
 
-/// What bypass puts in the place of @p p. Chains of retired objects may be circles.
+/// What bypass puts in the place of @p p. Chains of retired objects may be circles; in a retired object that is itself part of a
+/// long one, what comes after so many steps is nothing: else a map that died but for one object would take quadratic time.
 template <class T, class Next, class Stale>
 T* bypassed(T* p, const Next& next, Stale& stale) {
   T* mark = p;
@@ -1334,7 +1335,7 @@ T* bypassed(T* p, const Next& next, Stale& stale) {
   std::size_t next_mark = 1;
   do {
     p = next(*p);
-    if (p == mark) return nullptr;
+    if (p == mark || steps == stale.patience()) return nullptr;
     if (++steps == next_mark) {  // Brent 1980: the mark moves at powers of two
       mark = p;
       next_mark *= 2;
@@ -1425,6 +1426,7 @@ struct edge_sequence : edge_container<Container> {
   template <class... Companions, class Stale>
   static void purge(Container& member, const on_retire::erase_edge_with<Companions...>& how,
                     Stale& stale) {
+    if (member.empty()) return;  // some clear the sequence and forget its companions
     const bool in_step = std::apply(
         [&](auto&... c) { return (... && (c.size() == member.size())); }, how.companions);
     SLAMGC_ASSERT(in_step, (misuse{"describes a companion of another length than its sequence",
@@ -1562,7 +1564,9 @@ struct edge_member<rc_unordered_map<T, M, Options...>>
 /// all references to it, and those that are left are held or not described. That is true unless an edge moved past the walk:
 /// so if the references that a purge has seen do not add up to the count, it is due again after 1, 2, 4, ... calls.
 ///
-/// **Where edges of retired objects are concerned**: they stay as they are until the object is reclaimed.
+/// **Edges of stuck objects** are purged, too. Else a retired keyframe that one member of a thread holds would keep the next one
+/// that is retired, and that one the next: one old reference, and nothing would be reclaimed any more. What the program needs
+/// of a retired object that it still uses, such as the parent that its pose is relative to, is for its edges() to hold.
 ///
 /// **Why it is safe**: a purge drops references as the program could at any time. It holds no lock of the library, and
 /// destroys nothing. Between its begin and its end no object is destroyed at all.
@@ -2240,6 +2244,8 @@ template <class Env>
 class trial_deletion;
 template <class Env>
 class side_block;
+template <class Env>
+struct described_operations;
 
 /// The part of a domain's zero-count table for objects of one type; see zero_count_table.hpp.
 template <class Env>
@@ -2267,6 +2273,7 @@ class table_base {
   // For trial deletion (trial_deletion.hpp), by the collector, of a candidate:
 
   virtual std::uint64_t word_of(const void* object) const noexcept = 0;
+  virtual const described_operations<Env>& operations() const noexcept = 0;
   /// Records each reference to a candidate. False if edges() threw.
   virtual bool walk(void* object, trial_deletion<Env>& trial) noexcept = 0;
   /// Drops all references. False if edges() threw.
@@ -3090,7 +3097,10 @@ class purge {
       trial.begin_purge([this](candidate<Env>& c) {
         bool ignored = false;
         if (stuck_.add({c.object, &c}, ignored) == nullptr) walk_.fail();
-        walk_.exclude(c.object);
+        if (c.fresh)  // may be garbage: trial deletion comes first
+          walk_.exclude(c.object);
+        else
+          walk_.meet(c.object, c.table->operations());
       });
       roots.visit([this](const root_place<Env>& root) {
         root.operations->purge_by_collector(root.described, *this);
@@ -3106,7 +3116,7 @@ class purge {
     stuck_.each([&](const stuck& s) {
       const candidate<Env>& c = *s.entry;
       const std::uint32_t count = state_word{c.table->word_of(c.object)}.count();
-      explained = explained && (c.fresh || count <= c.inner + c.held);
+      explained = explained && (c.fresh || count <= c.held);
     });
     retry_after_ = explained ? 0 : retry_after_ == 0 ? 1 : 2 * retry_after_;
     retry_in_ = explained ? 0 : retry_after_ + 1;
@@ -3180,6 +3190,12 @@ template <class T>
 struct has_edges<T, std::void_t<decltype(std::declval<T&>().edges(std::declval<edge_probe&>()))>>
     : std::true_type {};
 
+/// Stands for a type that describes none.
+struct no_edges {
+  template <class Visitor>
+  void edges(Visitor&) {}
+};
+
 template <class T>
 class zero_count_table;
 
@@ -3225,7 +3241,8 @@ struct severing_visitor {
 template <class Env>
 class stale_to_collector {
  public:
-  explicit stale_to_collector(runtime::purge<Env>& p) noexcept : purge_(p) {}
+  stale_to_collector(runtime::purge<Env>& p, bool holder_is_stuck) noexcept
+      : purge_(p), holder_is_stuck_(holder_is_stuck) {}
 
   template <class T>
   bool operator()(T* p) const noexcept {
@@ -3240,6 +3257,10 @@ class stale_to_collector {
   bool dropped(bool done) const noexcept {
     if (done) purge_.dropped();
     return done;
+  }
+  /// How many retired objects to step over.
+  std::size_t patience() const noexcept {
+    return holder_is_stuck_ ? 64 : static_cast<std::size_t>(-1);
   }
   /// Whether it is better to look up what is stuck than to walk n elements.
   bool few(std::size_t n) const noexcept { return purge_.stuck_objects() * 8 < n; }
@@ -3257,6 +3278,7 @@ class stale_to_collector {
     return purge_.find(static_cast<const object_of<T>*>(p));
   }
   runtime::purge<Env>& purge_;
+  const bool holder_is_stuck_;
 };
 
 /// What is stale to the owner of a root, who knows nothing of purges: what is retired.
@@ -3268,6 +3290,7 @@ struct stale_to_owner {
   template <class T>
   void hold(T*) const noexcept {}
   bool dropped(bool done) const noexcept { return done; }
+  std::size_t patience() const noexcept { return static_cast<std::size_t>(-1); }
   bool few(std::size_t) const noexcept { return false; }
   template <class T, class F>
   void each(F) const noexcept {}
@@ -3278,7 +3301,7 @@ struct operations_on {
   static const runtime::described_operations<Env> table;
 
   static bool purge_by_collector(void* described, runtime::purge<Env>& with) {
-    purging_visitor visitor{with};
+    purging_visitor visitor{with, with.find(described) != nullptr};
     return detail::visit_edges(*static_cast<Described*>(described), visitor);
   }
   static bool purge_by_owner(void* described) {
@@ -3320,11 +3343,12 @@ struct operations_on {
  private:
   struct purging_visitor {
     runtime::purge<Env>& with;
+    const bool is_stuck;
 
     template <class Member, class Disposition = on_retire::hold_edge>
     void edge(const char*, Member& member, const Disposition& how = {}) {
       using ops = edge_member<Member>;
-      stale_to_collector<Env> stale(with);
+      stale_to_collector<Env> stale(with, is_stuck);
       ops::purge(member, how, stale);
       ops::each(member, [this](auto* p) {
         using target = object_of<std::remove_pointer_t<decltype(p)>>;
@@ -4602,6 +4626,9 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
       if (!state_word{now}.same_references({noted})) return false;
     } while (!policy::compare_exchange(state, now, now));
     return true;
+  }
+  const runtime::described_operations<env>& operations() const noexcept override {
+    return operations_on<std::conditional_t<has_edges<T>::value, T, no_edges>, env>::table;
   }
   bool walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
     if constexpr (has_edges<T>::value) return operations_on<T, env>::record(object, trial);

@@ -27,6 +27,12 @@ template <class T>
 struct has_edges<T, std::void_t<decltype(std::declval<T&>().edges(std::declval<edge_probe&>()))>>
     : std::true_type {};
 
+/// Stands for a type that describes none.
+struct no_edges {
+  template <class Visitor>
+  void edges(Visitor&) {}
+};
+
 template <class T>
 class zero_count_table;
 
@@ -72,7 +78,8 @@ struct severing_visitor {
 template <class Env>
 class stale_to_collector {
  public:
-  explicit stale_to_collector(runtime::purge<Env>& p) noexcept : purge_(p) {}
+  stale_to_collector(runtime::purge<Env>& p, bool holder_is_stuck) noexcept
+      : purge_(p), holder_is_stuck_(holder_is_stuck) {}
 
   template <class T>
   bool operator()(T* p) const noexcept {
@@ -87,6 +94,10 @@ class stale_to_collector {
   bool dropped(bool done) const noexcept {
     if (done) purge_.dropped();
     return done;
+  }
+  /// How many retired objects to step over.
+  std::size_t patience() const noexcept {
+    return holder_is_stuck_ ? 64 : static_cast<std::size_t>(-1);
   }
   /// Whether it is better to look up what is stuck than to walk n elements.
   bool few(std::size_t n) const noexcept { return purge_.stuck_objects() * 8 < n; }
@@ -104,6 +115,7 @@ class stale_to_collector {
     return purge_.find(static_cast<const object_of<T>*>(p));
   }
   runtime::purge<Env>& purge_;
+  const bool holder_is_stuck_;
 };
 
 /// What is stale to the owner of a root, who knows nothing of purges: what is retired.
@@ -115,6 +127,7 @@ struct stale_to_owner {
   template <class T>
   void hold(T*) const noexcept {}
   bool dropped(bool done) const noexcept { return done; }
+  std::size_t patience() const noexcept { return static_cast<std::size_t>(-1); }
   bool few(std::size_t) const noexcept { return false; }
   template <class T, class F>
   void each(F) const noexcept {}
@@ -125,7 +138,7 @@ struct operations_on {
   static const runtime::described_operations<Env> table;
 
   static bool purge_by_collector(void* described, runtime::purge<Env>& with) {
-    purging_visitor visitor{with};
+    purging_visitor visitor{with, with.find(described) != nullptr};
     return detail::visit_edges(*static_cast<Described*>(described), visitor);
   }
   static bool purge_by_owner(void* described) {
@@ -167,11 +180,12 @@ struct operations_on {
  private:
   struct purging_visitor {
     runtime::purge<Env>& with;
+    const bool is_stuck;
 
     template <class Member, class Disposition = on_retire::hold_edge>
     void edge(const char*, Member& member, const Disposition& how = {}) {
       using ops = edge_member<Member>;
-      stale_to_collector<Env> stale(with);
+      stale_to_collector<Env> stale(with, is_stuck);
       ops::purge(member, how, stale);
       ops::each(member, [this](auto* p) {
         using target = object_of<std::remove_pointer_t<decltype(p)>>;

@@ -139,6 +139,9 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
     } while (!policy::compare_exchange(state, now, now));
     return true;
   }
+  const runtime::described_operations<env>& operations() const noexcept override {
+    return operations_on<std::conditional_t<has_edges<T>::value, T, no_edges>, env>::table;
+  }
   bool walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
     if constexpr (has_edges<T>::value) return operations_on<T, env>::record(object, trial);
     return true;
