@@ -2,6 +2,7 @@
 /// What a round of trial deletion knows: candidates, and the references between them.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -97,6 +98,7 @@ struct candidate {
   candidate* next_marked;
   typename edge_list<Env>::place first_edge;
   std::size_t edges;
+  std::chrono::nanoseconds since;  // it became one, by the clock of collections
 
   static void* link_to(candidate* c) noexcept {
     return static_cast<char*>(static_cast<void*>(c)) + 1;

@@ -20,6 +20,7 @@
 /// place of a second, synchronous walk is ours.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -56,10 +57,18 @@ class trial_deletion {
     if (free_ == nullptr && !grow()) return nullptr;
     candidate_type* const c = free_;
     free_ = c->next;
-    *c = {object, &table, 0, 0,      true,    true,         suspecting_,
-          false,  0,      0, first_, nullptr, edges_.end(), 0};
+    *c = {object, &table, 0,      0,       true,         true, suspecting_, false,
+          0,      0,      first_, nullptr, edges_.end(), 0,    now_};
     first_ = c;
     return c;
+  }
+  /// A call of collect() begins: candidates that it finds date from @p now.
+  void begin_call(std::chrono::nanoseconds now) noexcept { now_ = now; }
+  /// Calls f(candidate) for each candidate, while nobody collects.
+  template <class F>
+  void each(F f) const {
+    for (const candidate_type* c = first_; c != nullptr; c = c->next) f(*c);
+    for (const candidate_type* c = rest_; c != nullptr; c = c->next) f(*c);
   }
   /// Steps 1 to 3, before the grace period. False if the limit came first.
   bool find(limit_type& limit) noexcept {
@@ -318,6 +327,7 @@ class trial_deletion {
   candidate_type** resolved_ = nullptr;  // up to here
   candidate_type* rest_ = nullptr;       // not destroyed or put back yet
   candidate_type* free_ = nullptr;
+  std::chrono::nanoseconds now_{0};
   block* blocks_ = nullptr;
 };
 
