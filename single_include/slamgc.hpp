@@ -2965,7 +2965,7 @@ class dropped_list {
   std::size_t waiting() const noexcept {
     std::size_t n = 0;
     for (const auto* p = taken_; p != nullptr; p = p->next_) ++n;
-    for (const auto* p = first_.load(); p != nullptr; p = p->next_) ++n;
+    for (auto* p = first_.load(std::memory_order_seq_cst); p != nullptr; p = p->next_) ++n;
     return n;
   }
   /// Drops all that was pushed before. By the collector; false if the limit came first.
@@ -3607,11 +3607,11 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
       for (auto* at = static_cast<const T*>(newest); at != nullptr;) {
         report(at, to);
         // Collectors alone take from a stack, and who pushes to it writes only links of its own.
-        at = static_cast<const T*>(access::header_of(*at).link.load());
+        at = static_cast<const T*>(access::header_of(*at).link.load(std::memory_order_seq_cst));
       }
     };
     for (const door& d : this->doors_) {
-      report_stack(d.first.load());
+      report_stack(d.first.load(std::memory_order_seq_cst));
       if (stand_still) report_stack(d.chain);
     }
     report_stack(taken_);

@@ -50,7 +50,7 @@ class dropped_list {
   std::size_t waiting() const noexcept {
     std::size_t n = 0;
     for (const auto* p = taken_; p != nullptr; p = p->next_) ++n;
-    for (const auto* p = first_.load(); p != nullptr; p = p->next_) ++n;
+    for (auto* p = first_.load(std::memory_order_seq_cst); p != nullptr; p = p->next_) ++n;
     return n;
   }
   /// Drops all that was pushed before. By the collector; false if the limit came first.

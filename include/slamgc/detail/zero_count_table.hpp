@@ -172,11 +172,11 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
       for (auto* at = static_cast<const T*>(newest); at != nullptr;) {
         report(at, to);
         // Collectors alone take from a stack, and who pushes to it writes only links of its own.
-        at = static_cast<const T*>(access::header_of(*at).link.load());
+        at = static_cast<const T*>(access::header_of(*at).link.load(std::memory_order_seq_cst));
       }
     };
     for (const door& d : this->doors_) {
-      report_stack(d.first.load());
+      report_stack(d.first.load(std::memory_order_seq_cst));
       if (stand_still) report_stack(d.chain);
     }
     report_stack(taken_);

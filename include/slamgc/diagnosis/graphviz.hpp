@@ -110,7 +110,11 @@ class dot_text {
       const auto& edge = graph_.edges[e];
       if (shown_[edge.to]) lines.push_back({number_[edge.to], edge.label, graph_.is_stale(edge)});
     }
-    const auto key = [](const line& l) { return std::make_pair(l.to, l.label); };
+    // Labels are numbered in the order of the walk, which follows addresses.
+    const auto key = [&](const line& l) {
+      const auto& label = graph_.labels[l.label];
+      return std::tie(l.to, label.name, label.disposition);
+    };
     std::stable_sort(lines.begin(), lines.end(),
                      [&](const line& a, const line& b) { return key(a) < key(b); });
     for (std::size_t at = 0; at != lines.size();) {

@@ -131,7 +131,7 @@ struct heap_graph {
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
-/// Takes the graph of a domain. O(objects + edges) time, and memory: some 150 bytes for each object, 20 for each edge.
+/// Takes the graph of a domain. O(objects + edges) time, and memory: some 250 bytes for each object, 40 for each edge.
 ///
 /// By any thread, online or not, without a lock that an edges() takes. Destroys nothing, and changes nothing.
 /// Throws std::bad_alloc, where result does not say it.
