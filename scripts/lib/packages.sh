@@ -9,7 +9,8 @@ packages_of() {
   case "$1" in
     build) echo cmake=cmake ninja-build=ninja ;;
     demo) echo g++=c++ ;;
-    gtest) echo python3=python3 libgtest-dev=/usr/include/gtest/gtest.h ;;
+    pictures) echo graphviz=dot ;;
+    gtest) echo python3=python3 libgtest-dev=/usr/include/gtest/gtest.h '?graphviz=dot' ;;
     docs) echo python3=python3 doxygen=doxygen '?clang-format-14' '?clang-tidy-14' '?shellcheck' ;;
     gcc-release)
       packages_of gtest
