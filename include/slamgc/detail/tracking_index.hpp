@@ -43,7 +43,7 @@ class tracking_index : public redundancy::index<Scheme, Map> {
     return map_.find(p, k, o) && o.level <= reach;
   }
 
-  /// f(keyframe, slot, reach, own) for each slot that holds the point and has a reach that is wanted.
+  /// f(keyframe, slot, reach, own) for each slot that holds the point, if its reach is wanted.
   template <class Wanted, class F>
   void holders(const point& p, Wanted wanted, F f) const {
     const auto& loose = ends(p);
@@ -53,7 +53,12 @@ class tracking_index : public redundancy::index<Scheme, Map> {
       if (wanted(reach) && map_.eligible(k, o.slot) && !loose.has(k, o.slot, false)) f(k, o.slot, reach, 1);
       return true;
     });
-    for (const auto* end = loose.first(); end != nullptr; end = end->next) {
+    loose_holders(p, f);
+  }
+  /// The same for the loose slots alone, whatever their reach.
+  template <class F>
+  void loose_holders(const point& p, F f) const {
+    for (const auto* end = ends(p).first(); end != nullptr; end = end->next) {
       if (!end->holds) continue;
       const int reach = this->reach(map_.level(end->keyframe, end->slot));
       f(end->keyframe, end->slot, reach, own(end->keyframe, p, reach));

@@ -49,8 +49,9 @@ class level_histogram : public detail::tracking_index<level_histogram<Map, Env>,
 
   [[nodiscard]] row& up_to(const point& p) const { return map_.point_state(p).up_to; }
   [[nodiscard]] bool seen(const row& r, int reach, int own) const noexcept {
-    return r[static_cast<std::size_t>(reach)] - own >= rule_.others;
+    return r[at(reach)] - own >= rule_.others;
   }
+  [[nodiscard]] static std::size_t at(int level) noexcept { return static_cast<std::size_t>(level); }
 
   [[nodiscard]] verdict judge(const keyframe& k) const { return this->counts(k).judge(rule_); }
 
@@ -69,22 +70,25 @@ class level_histogram : public detail::tracking_index<level_histogram<Map, Env>,
   void observers_changed(const keyframe& k, const point& p, const observation* before,
                          const observation* after) {
     row& now = up_to(p);
-    const row old = now;
-    const int from = after != nullptr ? after->level : Map::levels;
-    const int until = before != nullptr ? before->level : Map::levels;
+    // A slot of an observer is redundant above this.
+    const int edge = rule_.others + 1;
     bool flips = false;
-    for (int l = 0; l != Map::levels; ++l) {
-      const auto i = static_cast<std::size_t>(l);
-      now[i] = static_cast<std::uint16_t>(old[i] + (l >= from) - (l >= until));
-      flips |= (old[i] > rule_.others) != (now[i] > rule_.others);
-    }
-    if (!flips && this->ends(p).first() == nullptr) return;
-    this->holders(
-        p, [&](int reach) { return flips && seen(old, reach, 1) != seen(now, reach, 1); },
-        [&](const keyframe& other, int, int reach, int own) {
-          const int change = int{seen(now, reach, own)} - int{seen(old, reach, own)};
-          if (change != 0 && !(other == k)) this->counts(other).add(0, change);
-        });
+    if (after != nullptr)
+      for (auto l = at(after->level); l != now.size(); ++l) flips |= ++now[l] == edge;
+    if (before != nullptr)
+      for (auto l = at(before->level); l != now.size(); ++l) flips |= now[l]-- == edge;
+    const auto change = [&](int reach, int own) {
+      const int gain = int{after != nullptr && after->level <= reach} - int{before != nullptr && before->level <= reach};
+      return int{seen(now, reach, own)} - int{seen(now, reach, own + gain)};
+    };
+    const auto recount = [&](const keyframe& other, int, int reach, int own) {
+      const int by = change(reach, own);
+      if (by != 0 && !(other == k)) this->counts(other).add(0, by);
+    };
+    if (flips)
+      this->holders(p, [&](int reach) { return change(reach, 1) != 0; }, recount);
+    else
+      this->loose_holders(p, recount);
   }
 
   [[nodiscard]] status may_add(const point& p) const {
@@ -97,7 +101,7 @@ class level_histogram : public detail::tracking_index<level_histogram<Map, Env>,
     row& now = up_to(p);
     const row old = now;
     map_.observers(p, [&](const keyframe&, const observation& o) {
-      for (int l = o.level; l != Map::levels; ++l) ++now[static_cast<std::size_t>(l)];
+      for (int l = o.level; l != Map::levels; ++l) ++now[at(l)];
       return true;
     });
     this->holders(p, [](int) { return true; }, [&](const keyframe& k, int, int reach, int own) {
