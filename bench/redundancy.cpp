@@ -180,6 +180,7 @@ struct session_file {
   std::string name;
   recorded_session session;
   std::vector<std::vector<int>> candidates;  // of each pass
+  std::int64_t points_of_candidates = 0;
   explicit session_file(std::string n) : name(std::move(n)) {}
 
   // What ORB-SLAM3 would look at, in every pass; known beforehand, since it costs all schemes the same.
@@ -191,6 +192,8 @@ struct session_file {
       candidates.emplace_back();
       for (const auto* pKF : map.GetBestCovisibilityKeyFrames(map.keyframe(e.keyframe)))
         candidates.back().push_back(pKF->mnId);
+      for (const int k : candidates.back())
+        for (const auto* pMP : map.keyframe(k)->mvpMapPoints) points_of_candidates += pMP != nullptr && !pMP->mbBad;
     }
   }
 };
@@ -208,7 +211,7 @@ void replay(const session_file& file, Map& map, F f) {
 }
 
 template <class Scheme>
-void session(benchmark::State& state, const session_file& file, bool with_passes) {
+void session(benchmark::State& state, const session_file& file) {
   for (auto _ : state) {
     state.PauseTiming();
     auto map = std::make_unique<map_of<Scheme>>(file.session, red::orb_slam3);
@@ -216,8 +219,7 @@ void session(benchmark::State& state, const session_file& file, bool with_passes
     int redundant = 0;
     replay(file, *map, [&](map_of<Scheme>& m, std::size_t pass) {
       if constexpr (!std::is_same_v<Scheme, map_alone>)
-        if (with_passes)
-          for (const int k : file.candidates[pass]) redundant += m.index.check(m.keyframe(k)).redundant;
+        for (const int k : file.candidates[pass]) redundant += m.index.check(m.keyframe(k)).redundant;
     });
     benchmark::DoNotOptimize(redundant);
     state.PauseTiming();
@@ -245,22 +247,22 @@ void pass_of_30(benchmark::State& state, const session_file& file) {
   state.counters["keyframes"] = static_cast<double>(keyframes.size());
 }
 
-// Bytes over the map itself at the end of a session, for each keyframe and point that was ever made.
+// Bytes over the map itself: in the objects, and besides at the end of a session.
 template <class Scheme>
-std::size_t bytes_at_end(const session_file& file) {
+std::size_t heap_at_end(const session_file& file) {
   const std::size_t before = bytes_in_use();
   map_of<Scheme> map(file.session, red::orb_slam3);
   replay(file, map, [](map_of<Scheme>&, std::size_t) {});
-  return bytes_in_use() - before;
+  const std::size_t whole = bytes_in_use() - before;
+  map.forget_index();
+  return whole - (bytes_in_use() - before);
 }
 template <class Scheme>
 void memory(benchmark::State& state, const session_file& file) {
   for (auto _ : state) {
-    const double more = static_cast<double>(bytes_at_end<Scheme>(file)) - static_cast<double>(bytes_at_end<map_alone>(file));
-    using m = map_of<Scheme>;
-    state.counters["per_keyframe"] = sizeof(typename m::KeyFrame) - sizeof(typename map_of<map_alone>::KeyFrame);
-    state.counters["per_point"] = sizeof(typename m::MapPoint) - sizeof(typename map_of<map_alone>::MapPoint);
-    state.counters["more_bytes"] = more;
+    state.counters["keyframe_bytes"] = static_cast<double>(sizeof(std::declval<typename map_of<Scheme>::KeyFrame>().redundancy));
+    state.counters["point_bytes"] = static_cast<double>(sizeof(std::declval<typename map_of<Scheme>::MapPoint>().redundancy));
+    state.counters["heap_bytes"] = static_cast<double>(heap_at_end<Scheme>(file));
   }
 }
 
@@ -306,18 +308,21 @@ void workload(benchmark::State& state, const session_file& file) {
     state.counters["candidates"] = static_cast<double>(candidates);
     state.counters["changes"] = static_cast<double>(changes);
     state.counters["keyframes"] = static_cast<double>(keyframes);
+    state.counters["points"] = static_cast<double>(file.session.points);
+    state.counters["slots"] = static_cast<double>(file.points_of_candidates) / static_cast<double>(candidates);
   }
 }
 
 // ---- registration
 
 template <class F>
-void add(const std::string& name, F f) {
-  benchmark::RegisterBenchmark(name.c_str(), f);
+benchmark::internal::Benchmark* add(const std::string& name, F f) {
+  return benchmark::RegisterBenchmark(name.c_str(), f);
 }
+// What does not vary, or takes long.
 template <class F>
 void add_once(const std::string& name, F f) {
-  benchmark::RegisterBenchmark(name.c_str(), f)->Iterations(1)->Repetitions(1);
+  add(name, f)->Iterations(1)->Repetitions(1);
 }
 
 template <class Scheme>
@@ -326,16 +331,19 @@ void add_synthetic(const std::string& axis, int value, const shape& s) {
   add("pass" + where, [s](benchmark::State& state) { pass<Scheme>(state, s); });
   add("change" + where, [s](benchmark::State& state) { change<Scheme>(state, s); });
 }
+// With a fixed number of iterations, or the map would be made anew for each attempt to find one.
 template <class Scheme>
 void add_session(const session_file& f) {
+  constexpr bool keeps = !std::is_same_v<Scheme, copying> && !std::is_same_v<Scheme, recompute>;
   const std::string where = "/" + f.name + "/" + Scheme::name;
-  add("session" + where, [&f](benchmark::State& state) { session<Scheme>(state, f, true); });
+  auto* const whole = add("session" + where, [&f](benchmark::State& state) { session<Scheme>(state, f); });
+  whole->Iterations(f.session.events.size() > 1000000 ? 1 : 3);
+  if (std::is_same_v<Scheme, copying>) whole->Iterations(1)->Repetitions(1);
   if constexpr (!std::is_same_v<Scheme, map_alone>) {
-    add("pass30" + where, [&f](benchmark::State& state) { pass_of_30<Scheme>(state, f); });
-    if constexpr (!std::is_same_v<Scheme, copying> && !std::is_same_v<Scheme, recompute>) {
-      add("maintenance" + where, [&f](benchmark::State& state) { session<Scheme>(state, f, false); });
-      add_once("memory" + where, [&f](benchmark::State& state) { memory<Scheme>(state, f); });
-    }
+    auto* const p = add("pass30" + where, [&f](benchmark::State& state) { pass_of_30<Scheme>(state, f); });
+    p->Iterations(keeps ? 100000 : 50);
+    if (std::is_same_v<Scheme, copying>) p->Iterations(5)->Repetitions(1);
+    if constexpr (keeps) add_once("memory" + where, [&f](benchmark::State& state) { memory<Scheme>(state, f); });
   }
 }
 

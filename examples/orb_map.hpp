@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <slamgc/redundancy.hpp>
 #include <unordered_map>
 #include <utility>
@@ -71,8 +72,8 @@ struct orb {
 
     auto& keyframe_state(KeyFrame* pKF) const { return pKF->redundancy; }
     auto& point_state(MapPoint* pMP) const { return pMP->redundancy; }
-    auto lock_slots(KeyFrame* pKF) const { return std::unique_lock<std::mutex>(pKF->mMutexFeatures); }
-    auto lock_observations(MapPoint* pMP) const { return std::unique_lock<std::mutex>(pMP->mMutexFeatures); }
+    auto lock_slots(KeyFrame* pKF) const { return std::lock_guard<std::mutex>(pKF->mMutexFeatures); }
+    auto lock_observations(MapPoint* pMP) const { return std::lock_guard<std::mutex>(pMP->mMutexFeatures); }
     bool is_null(MapPoint* pMP) const { return pMP == nullptr; }
     bool bad(MapPoint* pMP) const { return pMP->mbBad; }
     bool find(MapPoint* pMP, KeyFrame* pKF, observation& o) const {
@@ -185,6 +186,14 @@ class orb_map {
     return p.get();
   }
 
+  // Gives back what the index keeps besides the objects; it must not be used any more.
+  void forget_index() {
+    for (auto& k : keyframes_)
+      if (k != nullptr) renew(k->redundancy);
+    for (auto& p : points_)
+      if (p != nullptr) renew(p->redundancy);
+  }
+
   // The keyframes that share points with this one, best first; ORB-SLAM3 looks at 100.
   std::vector<KeyFrame*> GetBestCovisibilityKeyFrames(KeyFrame* pKF, std::size_t most = 100) const {
     std::unordered_map<KeyFrame*, int> weights;
@@ -204,6 +213,11 @@ class orb_map {
   }
 
  private:
+  template <class T>
+  static void renew(T& t) {
+    t.~T();
+    new (&t) T;
+  }
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   static void must(slamgc::redundancy::status s) {
     if (s == slamgc::redundancy::status::ok) return;

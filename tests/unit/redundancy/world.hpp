@@ -158,6 +158,15 @@ struct world {
     return s;
   }
 
+  std::map<int, red::observation> observers_of(int p) {
+    const std::lock_guard<std::mutex> lock(points[at(p)].mutex);
+    return points[at(p)].observers;
+  }
+  std::vector<int> points_of(int k) {
+    const std::lock_guard<std::mutex> lock(keyframes[at(k)].mutex);
+    return keyframes[at(k)].points;
+  }
+
   // The rule.
   red::verdict oracle(int k) const {
     const keyframe_data& kf = keyframes[at(k)];
