@@ -48,6 +48,8 @@ class connection_sets_as_published : public index<connection_sets_as_published<M
   using base::map_;
   using base::rule_;
   using set = std::vector<keyframe>;
+  // (70) memory_order_relaxed: as for the other counts.
+  static constexpr std::memory_order order = std::memory_order_relaxed;
 
   status enter_all(const keyframe& k, int slots) {
     for (int i = 0; i != slots; ++i) {
@@ -81,7 +83,7 @@ class connection_sets_as_published : public index<connection_sets_as_published<M
     const std::lock_guard<std::mutex> lock(state.mutex);
     set& s = state.connected[p];
     if (std::find(s.begin(), s.end(), other) == s.end()) s.push_back(other);
-    if (s.size() >= threshold()) state.redundant.fetch_add(1, std::memory_order_seq_cst);
+    if (s.size() >= threshold()) state.redundant.fetch_add(1, order);
   }
   void erase_map_point_match(const keyframe& k, const point& p) {
     const auto observations_stay = map_.lock_observations(p);
@@ -90,7 +92,7 @@ class connection_sets_as_published : public index<connection_sets_as_published<M
       const std::lock_guard<std::mutex> lock(state.mutex);
       const auto it = state.connected.find(p);
       if (it != state.connected.end()) {
-        if (it->second.size() > threshold()) state.redundant.fetch_sub(1, std::memory_order_seq_cst);
+        if (it->second.size() > threshold()) state.redundant.fetch_sub(1, order);
         state.connected.erase(it);
       }
     }
@@ -103,7 +105,7 @@ class connection_sets_as_published : public index<connection_sets_as_published<M
       const auto found = std::find(s.begin(), s.end(), k);
       if (found == s.end()) return true;
       s.erase(found);
-      if (s.size() < threshold()) state.redundant.fetch_sub(1, std::memory_order_seq_cst);
+      if (s.size() < threshold()) state.redundant.fetch_sub(1, order);
       return true;
     });
   }
@@ -120,7 +122,7 @@ class connection_sets_as_published : public index<connection_sets_as_published<M
       const auto observations_stay = map_.lock_observations(p);
       v.eligible_slots += !map_.bad(p);
     }
-    v.redundant_slots = map_.keyframe_state(k).redundant.load(std::memory_order_seq_cst);
+    v.redundant_slots = map_.keyframe_state(k).redundant.load(order);
     v.redundant = rule_.exceeded(v.redundant_slots, v.eligible_slots);
     return v;
   }

@@ -54,24 +54,24 @@ template <class Env = std_env>
 class keyframe_counts {
  public:
   /// Whether the keyframe was added.
-  [[nodiscard]] bool known() const noexcept { return (word_.load(std::memory_order_seq_cst) & known_flag) != 0; }
+  [[nodiscard]] bool known() const noexcept { return (word_.load(order) & known_flag) != 0; }
   /// Whether the keyframe was removed.
-  [[nodiscard]] bool removed() const noexcept { return (word_.load(std::memory_order_seq_cst) & removed_flag) != 0; }
+  [[nodiscard]] bool removed() const noexcept { return (word_.load(order) & removed_flag) != 0; }
   /// The keyframe is added; once.
-  void set_known() noexcept { word_.fetch_add(known_flag, std::memory_order_seq_cst); }
+  void set_known() noexcept { word_.fetch_add(known_flag, order); }
   /// The keyframe is removed; once.
-  void set_removed() noexcept { word_.fetch_add(removed_flag, std::memory_order_seq_cst); }
+  void set_removed() noexcept { word_.fetch_add(removed_flag, order); }
   /// Changes both counts at one moment.
   void add(int eligible, int redundant) noexcept {
     // Modulo 2^64. No count falls below zero: what a slot takes away it had added before, under the same lock. Only those
     // of a removed keyframe may, which nobody reads; hence the flags are the low bits.
     word_.fetch_add((static_cast<std::uint64_t>(std::int64_t{eligible}) << eligible_shift) +
                     (static_cast<std::uint64_t>(std::int64_t{redundant}) << redundant_shift),
-                    std::memory_order_seq_cst);
+                    order);
   }
   /// Both counts at one moment, judged by the rule.
   [[nodiscard]] verdict judge(const rule& r) const noexcept {
-    const std::uint64_t word = word_.load(std::memory_order_seq_cst);
+    const std::uint64_t word = word_.load(order);
     if ((word & known_flag) == 0) return {status::unknown_keyframe};
     if ((word & removed_flag) != 0) return {status::removed_keyframe};
     const int eligible = static_cast<int>(word >> eligible_shift & count_mask);
@@ -85,7 +85,10 @@ class keyframe_counts {
   static constexpr int eligible_shift = 2;
   static constexpr int redundant_shift = 33;
   static constexpr std::uint64_t count_mask = 0x7fffffff;
-  // Sequentially consistent throughout: on x86 a weaker order would cost the same.
+  // (70) memory_order_relaxed: one word is all that a reader wants, and what happened before its read it sees in any order;
+  // nothing else is published by it. Whoever must not miss a removal reads the flag under a lock that remove_keyframe()
+  // takes after setting it.
+  static constexpr std::memory_order order = std::memory_order_relaxed;
   typename Env::template atomic<std::uint64_t> word_{0};
 };
 

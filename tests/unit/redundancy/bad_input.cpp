@@ -145,6 +145,20 @@ TEST(BadAndRemoved, DoNothingASecondTime) {
   EXPECT_TRUE(w.agrees());
 }
 
+// Its memory may be given back, and another keyframe get its name.
+TEST(BadAndRemoved, ARemovedKeyframeLeavesNoLooseSlot) {
+  world<8, slamgc::std_env> w(1, 1, red::orb_slam3);
+  w.keyframes[0].points = {none};
+  w.keyframes[0].levels = {0};
+  w.keyframes[0].eligible = {1};
+  EXPECT_EQ(w.add_keyframe(0), status::ok);
+  EXPECT_EQ(w.set_slot(0, 0, 0), status::ok);
+  EXPECT_NE(w.points[0].histogram.ends.first(), nullptr);
+  EXPECT_EQ(w.remove_keyframe(0), status::ok);
+  EXPECT_EQ(w.points[0].histogram.ends.first(), nullptr);
+  EXPECT_EQ(w.points[0].sets.ends.first(), nullptr);
+}
+
 // As many observers as 16 bits count, by one keyframe each.
 struct crowd {
   using keyframe = int;
