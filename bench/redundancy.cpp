@@ -32,7 +32,8 @@ namespace red = slamgc::redundancy;
 template <class View>
 class recompute_with_copies : public no_index<View> {
  public:
-  recompute_with_copies(const View& view, const red::rule& rule) : no_index<View>(view, rule), map_(view), rule_(rule) {}
+  recompute_with_copies(const View& view, const red::rule& rule)
+      : no_index<View>(view, rule), map_(view), rule_(rule) {}
   template <class KeyFrame>
   red::verdict check(KeyFrame* pKF) const {
     red::verdict v;
@@ -75,32 +76,38 @@ class recompute_with_copies : public no_index<View> {
 struct map_alone {
   static constexpr const char* name = "map alone";
   using states = no_states;
-  template <class V> using index = no_index<V>;
+  template <class V>
+  using index = no_index<V>;
 };
 struct copying {
   static constexpr const char* name = "recompute, copying";
   using states = no_states;
-  template <class V> using index = recompute_with_copies<V>;
+  template <class V>
+  using index = recompute_with_copies<V>;
 };
 struct recompute {
   static constexpr const char* name = "recompute";
   using states = recompute_states;
-  template <class V> using index = red::recompute<V>;
+  template <class V>
+  using index = red::recompute<V>;
 };
 struct connection_sets {
   static constexpr const char* name = "connection_sets";
   using states = connection_sets_states;
-  template <class V> using index = red::connection_sets<V>;
+  template <class V>
+  using index = red::connection_sets<V>;
 };
 struct level_histogram {
   static constexpr const char* name = "level_histogram";
   using states = level_histogram_states;
-  template <class V> using index = red::level_histogram<V>;
+  template <class V>
+  using index = red::level_histogram<V>;
 };
 struct published {
   static constexpr const char* name = "connection_sets_as_published";
   using states = published_states;
-  template <class V> using index = red::connection_sets_as_published<V>;
+  template <class V>
+  using index = red::connection_sets_as_published<V>;
 };
 
 template <class Scheme>
@@ -128,8 +135,10 @@ recorded_session synthetic(const shape& s) {
     session.levels.emplace_back();
     for (int i = 0; i != s.slots; ++i) {
       // Few features at coarse levels, as in an image pyramid with factor 1.2.
-      session.levels.back().push_back(std::min(7, static_cast<int>(random() % 256 * (random() % 256) / 8192)));
-      const int p = static_cast<int>((std::int64_t{k} * s.slots / s.observers + i) % session.points);
+      session.levels.back().push_back(
+          std::min(7, static_cast<int>(random() % 256 * (random() % 256) / 8192)));
+      const int p =
+          static_cast<int>((std::int64_t{k} * s.slots / s.observers + i) % session.points);
       session.events.push_back({recorded_event::observe, k, p, i});
       session.events.push_back({recorded_event::set_slot, k, p, i});
     }
@@ -150,7 +159,8 @@ template <class Scheme>
 void pass(benchmark::State& state, const shape& s) {
   const synthetic_map<Scheme> m(s);
   std::vector<typename map_of<Scheme>::KeyFrame*> keyframes;
-  for (int k = 0; k != s.keyframes; ++k) keyframes.push_back(const_cast<synthetic_map<Scheme>&>(m).map.keyframe(k));
+  for (int k = 0; k != s.keyframes; ++k)
+    keyframes.push_back(const_cast<synthetic_map<Scheme>&>(m).map.keyframe(k));
   for (auto _ : state) benchmark::DoNotOptimize(redundant_among(m.map, keyframes));
 }
 
@@ -166,7 +176,8 @@ void change(benchmark::State& state, const shape& s) {
   std::size_t next = 0;
   for (auto _ : state) {
     const auto& place = places[next++ % places.size()];
-    const int point = m.map.keyframe(place.first)->mvpMapPoints[static_cast<std::size_t>(place.second)]->mnId;
+    const int point =
+        m.map.keyframe(place.first)->mvpMapPoints[static_cast<std::size_t>(place.second)]->mnId;
     m.map.replay({recorded_event::unobserve, place.first, point});
     m.map.replay({recorded_event::clear_slot, place.first, -1, place.second});
     m.map.replay({recorded_event::observe, place.first, point, place.second});
@@ -193,7 +204,8 @@ struct session_file {
       for (const auto* pKF : map.GetBestCovisibilityKeyFrames(map.keyframe(e.keyframe)))
         candidates.back().push_back(pKF->mnId);
       for (const int k : candidates.back())
-        for (const auto* pMP : map.keyframe(k)->mvpMapPoints) points_of_candidates += pMP != nullptr && !pMP->mbBad;
+        for (const auto* pMP : map.keyframe(k)->mvpMapPoints)
+          points_of_candidates += pMP != nullptr && !pMP->mbBad;
     }
   }
 };
@@ -219,7 +231,8 @@ void session(benchmark::State& state, const session_file& file) {
     int redundant = 0;
     replay(file, *map, [&](map_of<Scheme>& m, std::size_t pass) {
       if constexpr (!std::is_same_v<Scheme, map_alone>)
-        for (const int k : file.candidates[pass]) redundant += m.index.check(m.keyframe(k)).redundant;
+        for (const int k : file.candidates[pass])
+          redundant += m.index.check(m.keyframe(k)).redundant;
     });
     benchmark::DoNotOptimize(redundant);
     state.PauseTiming();
@@ -260,8 +273,10 @@ std::size_t heap_at_end(const session_file& file) {
 template <class Scheme>
 void memory(benchmark::State& state, const session_file& file) {
   for (auto _ : state) {
-    state.counters["keyframe_bytes"] = static_cast<double>(sizeof(std::declval<typename map_of<Scheme>::KeyFrame>().redundancy));
-    state.counters["point_bytes"] = static_cast<double>(sizeof(std::declval<typename map_of<Scheme>::MapPoint>().redundancy));
+    state.counters["keyframe_bytes"] =
+        static_cast<double>(sizeof(std::declval<typename map_of<Scheme>::KeyFrame>().redundancy));
+    state.counters["point_bytes"] =
+        static_cast<double>(sizeof(std::declval<typename map_of<Scheme>::MapPoint>().redundancy));
     state.counters["heap_bytes"] = static_cast<double>(heap_at_end<Scheme>(file));
   }
 }
@@ -278,7 +293,8 @@ void disagreement(benchmark::State& state, const session_file& file) {
       exact.replay(e);
       if (e.what != recorded_event::pass) continue;
       for (const int k : file.candidates[pass]) {
-        const red::verdict a = ours.index.check(ours.keyframe(k)), b = exact.index.check(exact.keyframe(k));
+        const red::verdict a = ours.index.check(ours.keyframe(k)),
+                           b = exact.index.check(exact.keyframe(k));
         ++asked;
         redundant += b.redundant;
         wrong += a.redundant != b.redundant;
@@ -309,7 +325,8 @@ void workload(benchmark::State& state, const session_file& file) {
     state.counters["changes"] = static_cast<double>(changes);
     state.counters["keyframes"] = static_cast<double>(keyframes);
     state.counters["points"] = static_cast<double>(file.session.points);
-    state.counters["slots"] = static_cast<double>(file.points_of_candidates) / static_cast<double>(candidates);
+    state.counters["slots"] =
+        static_cast<double>(file.points_of_candidates) / static_cast<double>(candidates);
   }
 }
 
@@ -336,20 +353,24 @@ template <class Scheme>
 void add_session(const session_file& f) {
   constexpr bool keeps = !std::is_same_v<Scheme, copying> && !std::is_same_v<Scheme, recompute>;
   const std::string where = "/" + f.name + "/" + Scheme::name;
-  auto* const whole = add("session" + where, [&f](benchmark::State& state) { session<Scheme>(state, f); });
+  auto* const whole =
+      add("session" + where, [&f](benchmark::State& state) { session<Scheme>(state, f); });
   whole->Iterations(f.session.events.size() > 1000000 ? 1 : 3);
   if (std::is_same_v<Scheme, copying>) whole->Iterations(1)->Repetitions(1);
   if constexpr (!std::is_same_v<Scheme, map_alone>) {
-    auto* const p = add("pass30" + where, [&f](benchmark::State& state) { pass_of_30<Scheme>(state, f); });
+    auto* const p =
+        add("pass30" + where, [&f](benchmark::State& state) { pass_of_30<Scheme>(state, f); });
     p->Iterations(keeps ? 100000 : 50);
     if (std::is_same_v<Scheme, copying>) p->Iterations(5)->Repetitions(1);
-    if constexpr (keeps) add_once("memory" + where, [&f](benchmark::State& state) { memory<Scheme>(state, f); });
+    if constexpr (keeps)
+      add_once("memory" + where, [&f](benchmark::State& state) { memory<Scheme>(state, f); });
   }
 }
 
-const char* const files[] = {"keble_college.txt",     "libmv_01.txt",          "libmv_02.txt",
-                             "libmv_03.txt",          "orbslam2_aims.trace",   "orbslam2_rpy.trace",
-                             "orbslam2_rpyloop.trace", "orbslam3_std.trace", "orbslam3_std35.trace"};
+const char* const files[] = {
+    "keble_college.txt",      "libmv_01.txt",        "libmv_02.txt",
+    "libmv_03.txt",           "orbslam2_aims.trace", "orbslam2_rpy.trace",
+    "orbslam2_rpyloop.trace", "orbslam3_std.trace",  "orbslam3_std35.trace"};
 
 }  // namespace
 
@@ -391,7 +412,8 @@ int main(int argc, char** argv) {
       add_session<recompute>(*f);
       add_session<connection_sets>(*f);
       add_session<level_histogram>(*f);
-      add_once("published/" + f->name, [&g = *f](benchmark::State& state) { disagreement(state, g); });
+      add_once("published/" + f->name,
+               [&g = *f](benchmark::State& state) { disagreement(state, g); });
       add_once("workload/" + f->name, [&g = *f](benchmark::State& state) { workload(state, g); });
       sessions.push_back(std::move(f));
     }

@@ -26,7 +26,9 @@ using recomputing = red::recompute<View>;
 template <class States, template <class> class Index>
 void replay(const char* name, const recorded_session& session, bool explain) {
   using clock = std::chrono::steady_clock;
-  const auto ms = [](clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); };
+  const auto ms = [](clock::duration d) {
+    return std::chrono::duration<double, std::milli>(d).count();
+  };
   orb_map<States, Index> map(session, red::orb_slam3);
   long asked = 0, redundant = 0;
   clock::duration passes{0}, covisible{0};
@@ -43,10 +45,14 @@ void replay(const char* name, const recorded_session& session, bool explain) {
     passes += clock::now() - found;
   }
   const auto all = clock::now() - begin - covisible;
-  std::printf("%-16s %8ld keyframes asked for, %6ld times redundant; passes %9.3f ms, with the map's changes %9.3f ms\n",
-              name, asked, redundant, ms(passes), ms(all));
+  std::printf(
+      "%-16s %8ld keyframes asked for, %6ld times redundant; passes %9.3f ms, with the map's "
+      "changes %9.3f ms\n",
+      name, asked, redundant, ms(passes), ms(all));
   if (!explain) return;
-  std::puts("\nIn the end these are redundant: more than 90 % of their points are seen by four others, well enough.");
+  std::puts(
+      "\nIn the end these are redundant: more than 90 % of their points are seen by four others, "
+      "well enough.");
   int shown = 0, more = 0;
   for (int k = 0; k != static_cast<int>(session.levels.size()); ++k) {
     if (map.keyframe(k) == nullptr) continue;
@@ -76,7 +82,8 @@ int main(int argc, char** argv) {
     );
     session.load(piece);
   }
-  std::printf("%zu events, %zu keyframes, %d points\n", session.events.size(), session.levels.size(), session.points);
+  std::printf("%zu events, %zu keyframes, %d points\n", session.events.size(),
+              session.levels.size(), session.points);
   replay<recompute_states, recomputing>("recompute", session, false);
   replay<connection_sets_states, sets>("connection_sets", session, false);
   replay<level_histogram_states, histogram>("level_histogram", session, true);

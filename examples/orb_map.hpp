@@ -20,24 +20,34 @@
 // What each index keeps in a keyframe and in a point.
 struct no_state {};
 struct recompute_states {
-  template <class K, class P> using keyframe = slamgc::redundancy::keyframe_counts<>;
-  template <class K, class P> using point = no_state;
+  template <class K, class P>
+  using keyframe = slamgc::redundancy::keyframe_counts<>;
+  template <class K, class P>
+  using point = no_state;
 };
 struct level_histogram_states {
-  template <class K, class P> using keyframe = slamgc::redundancy::keyframe_counts<>;
-  template <class K, class P> using point = slamgc::redundancy::point_levels<K>;
+  template <class K, class P>
+  using keyframe = slamgc::redundancy::keyframe_counts<>;
+  template <class K, class P>
+  using point = slamgc::redundancy::point_levels<K>;
 };
 struct connection_sets_states {
-  template <class K, class P> using keyframe = slamgc::redundancy::keyframe_connections<K>;
-  template <class K, class P> using point = slamgc::redundancy::point_connections<K>;
+  template <class K, class P>
+  using keyframe = slamgc::redundancy::keyframe_connections<K>;
+  template <class K, class P>
+  using point = slamgc::redundancy::point_connections<K>;
 };
 struct published_states {
-  template <class K, class P> using keyframe = slamgc::redundancy::keyframe_published<K, P>;
-  template <class K, class P> using point = no_state;
+  template <class K, class P>
+  using keyframe = slamgc::redundancy::keyframe_published<K, P>;
+  template <class K, class P>
+  using point = no_state;
 };
 struct no_states {
-  template <class K, class P> using keyframe = no_state;
-  template <class K, class P> using point = no_state;
+  template <class K, class P>
+  using keyframe = no_state;
+  template <class K, class P>
+  using point = no_state;
 };
 
 template <class States>
@@ -72,8 +82,12 @@ struct orb {
 
     auto& keyframe_state(KeyFrame* pKF) const { return pKF->redundancy; }
     auto& point_state(MapPoint* pMP) const { return pMP->redundancy; }
-    auto lock_slots(KeyFrame* pKF) const { return std::lock_guard<std::mutex>(pKF->mMutexFeatures); }
-    auto lock_observations(MapPoint* pMP) const { return std::lock_guard<std::mutex>(pMP->mMutexFeatures); }
+    auto lock_slots(KeyFrame* pKF) const {
+      return std::lock_guard<std::mutex>(pKF->mMutexFeatures);
+    }
+    auto lock_observations(MapPoint* pMP) const {
+      return std::lock_guard<std::mutex>(pMP->mMutexFeatures);
+    }
     bool is_null(MapPoint* pMP) const { return pMP == nullptr; }
     bool bad(MapPoint* pMP) const { return pMP->mbBad; }
     bool find(MapPoint* pMP, KeyFrame* pKF, observation& o) const {
@@ -89,7 +103,9 @@ struct orb {
     }
     int slots(KeyFrame* pKF) const { return static_cast<int>(pKF->mvpMapPoints.size()); }
     int level(KeyFrame* pKF, int slot) const { return pKF->mvKeysUn[at(slot)].octave; }
-    bool eligible(KeyFrame*, int) const { return true; }  // with depth: eligible_by_depth(mvDepth[slot], mThDepth)
+    bool eligible(KeyFrame*, int) const {
+      return true;
+    }  // with depth: eligible_by_depth(mvDepth[slot], mThDepth)
     MapPoint* slot(KeyFrame* pKF, int slot) const { return pKF->mvpMapPoints[at(slot)]; }
   };
 
@@ -101,13 +117,34 @@ template <class View>
 struct no_index {
   using status = slamgc::redundancy::status;
   explicit no_index(const View&, const slamgc::redundancy::rule&) {}
-  template <class... A> status add_keyframe(const A&...) { return status::ok; }
-  template <class... A> status remove_keyframe(const A&...) { return status::ok; }
-  template <class... A> status set_observation(const A&...) { return status::ok; }
-  template <class... A> status erase_observation(const A&...) { return status::ok; }
-  template <class... A> status mark_bad(const A&...) { return status::ok; }
-  template <class... A> status set_slot(const A&...) { return status::ok; }
-  template <class... A> status clear_slot(const A&...) { return status::ok; }
+  template <class... A>
+  status add_keyframe(const A&...) {
+    return status::ok;
+  }
+  template <class... A>
+  status remove_keyframe(const A&...) {
+    return status::ok;
+  }
+  template <class... A>
+  status set_observation(const A&...) {
+    return status::ok;
+  }
+  template <class... A>
+  status erase_observation(const A&...) {
+    return status::ok;
+  }
+  template <class... A>
+  status mark_bad(const A&...) {
+    return status::ok;
+  }
+  template <class... A>
+  status set_slot(const A&...) {
+    return status::ok;
+  }
+  template <class... A>
+  status clear_slot(const A&...) {
+    return status::ok;
+  }
 };
 
 // The map, and the functions of ORB-SLAM that change it; each has one line more.
@@ -119,7 +156,10 @@ class orb_map {
   using view = typename orb<States>::view;
 
   orb_map(const recorded_session& session, const slamgc::redundancy::rule& rule)
-      : index(view{}, rule), session_(session), keyframes_(session.levels.size()), points_(at(session.points)) {}
+      : index(view{}, rule),
+        session_(session),
+        keyframes_(session.levels.size()),
+        points_(at(session.points)) {}
 
   Index<view> index;
 
@@ -134,7 +174,8 @@ class orb_map {
   }
   void AddObservation(MapPoint* pMP, KeyFrame* pKF, int idx) {
     const std::lock_guard<std::mutex> lock(pMP->mMutexFeatures);
-    must(index.set_observation(pKF, pMP, slamgc::redundancy::observation{idx, pKF->mvKeysUn[at(idx)].octave}));
+    must(index.set_observation(
+        pKF, pMP, slamgc::redundancy::observation{idx, pKF->mvKeysUn[at(idx)].octave}));
     pMP->mObservations[pKF] = {idx, -1};
   }
   void EraseObservation(MapPoint* pMP, KeyFrame* pKF) {
@@ -165,14 +206,29 @@ class orb_map {
   // One event of a recorded session, other than a pass.
   void replay(const recorded_event& e) {
     switch (e.what) {
-      case recorded_event::new_keyframe: construct(e.keyframe); break;
-      case recorded_event::remove_keyframe: SetBadFlag(keyframe(e.keyframe)); break;
-      case recorded_event::observe: AddObservation(point(e.point), keyframe(e.keyframe), e.slot); break;
-      case recorded_event::unobserve: EraseObservation(point(e.point), keyframe(e.keyframe)); break;
-      case recorded_event::mark_bad: SetBadFlag(point(e.point)); break;
-      case recorded_event::set_slot: AddMapPoint(keyframe(e.keyframe), point(e.point), e.slot); break;
-      case recorded_event::clear_slot: EraseMapPointMatch(keyframe(e.keyframe), e.slot); break;
-      case recorded_event::pass: break;
+      case recorded_event::new_keyframe:
+        construct(e.keyframe);
+        break;
+      case recorded_event::remove_keyframe:
+        SetBadFlag(keyframe(e.keyframe));
+        break;
+      case recorded_event::observe:
+        AddObservation(point(e.point), keyframe(e.keyframe), e.slot);
+        break;
+      case recorded_event::unobserve:
+        EraseObservation(point(e.point), keyframe(e.keyframe));
+        break;
+      case recorded_event::mark_bad:
+        SetBadFlag(point(e.point));
+        break;
+      case recorded_event::set_slot:
+        AddMapPoint(keyframe(e.keyframe), point(e.point), e.slot);
+        break;
+      case recorded_event::clear_slot:
+        EraseMapPointMatch(keyframe(e.keyframe), e.slot);
+        break;
+      case recorded_event::pass:
+        break;
     }
   }
 
@@ -230,7 +286,8 @@ class orb_map {
     k = std::make_unique<KeyFrame>();
     k->mnId = id;
     k->mvpMapPoints.resize(session_.levels[at(id)].size());
-    for (const int level : session_.levels[at(id)]) k->mvKeysUn.push_back({0, 0, 0, 0, 0, level, -1});
+    for (const int level : session_.levels[at(id)])
+      k->mvKeysUn.push_back({0, 0, 0, 0, 0, level, -1});
     AddKeyFrame(k.get());
   }
 

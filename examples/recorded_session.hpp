@@ -17,7 +17,16 @@
 #endif
 
 struct recorded_event {
-  enum kind { new_keyframe, set_slot, clear_slot, observe, unobserve, mark_bad, remove_keyframe, pass };
+  enum kind {
+    new_keyframe,
+    set_slot,
+    clear_slot,
+    observe,
+    unobserve,
+    mark_bad,
+    remove_keyframe,
+    pass
+  };
   kind what;
   int keyframe = -1;
   int point = -1;
@@ -71,16 +80,38 @@ class recorded_session {
     int thread = 0, a = -1, b = -1, c = -1, d = -1;
     in >> time >> thread >> a >> b >> c >> d;
     switch (letter) {
-      case 'k': keyframe(a); slot_level(a, c - 1, 0); break;
-      case 'K': current_ = a; break;
-      case 's': add(kind::set_slot, a, c, b); break;
-      case 'z': add(kind::clear_slot, a, -1, b); break;
-      case 'O': slot_level(a, c, d); add(kind::observe, a, b, c); break;
-      case 'X': add(kind::unobserve, a, b); break;
-      case 'R': case 'B': add(kind::mark_bad, -1, a); break;
-      case 'D': add(kind::remove_keyframe, a); break;
-      case 'Z': if (thread == 1) pass(); break;
-      default: break;
+      case 'k':
+        keyframe(a);
+        slot_level(a, c - 1, 0);
+        break;
+      case 'K':
+        current_ = a;
+        break;
+      case 's':
+        add(kind::set_slot, a, c, b);
+        break;
+      case 'z':
+        add(kind::clear_slot, a, -1, b);
+        break;
+      case 'O':
+        slot_level(a, c, d);
+        add(kind::observe, a, b, c);
+        break;
+      case 'X':
+        add(kind::unobserve, a, b);
+        break;
+      case 'R':
+      case 'B':
+        add(kind::mark_bad, -1, a);
+        break;
+      case 'D':
+        add(kind::remove_keyframe, a);
+        break;
+      case 'Z':
+        if (thread == 1) pass();
+        break;
+      default:
+        break;
     }
   }
 
@@ -90,7 +121,11 @@ class recorded_session {
     double u = 0, v = 0;
     in >> a;
     switch (letter) {
-      case 'K': if (current_ != a) pass(); keyframe(a); current_ = a; break;
+      case 'K':
+        if (current_ != a) pass();
+        keyframe(a);
+        current_ = a;
+        break;
       case 'O':
         in >> b >> u >> v >> level;
         keyframe(a);
@@ -102,8 +137,12 @@ class recorded_session {
           add(kind::set_slot, a, b, slot);
         }
         break;
-      case 'X': in >> b; unlink(a, b); break;
-      case 'R': case 'B':
+      case 'X':
+        in >> b;
+        unlink(a, b);
+        break;
+      case 'R':
+      case 'B':
         add(kind::mark_bad, -1, a);
         for (const auto& s : slots_of_[a]) add(kind::clear_slot, s.first, -1, s.second);
         slots_of_.erase(a);
@@ -112,7 +151,8 @@ class recorded_session {
         for (const int p : points_of_[a]) unlink(a, p, true);
         add(kind::remove_keyframe, a);
         break;
-      default: break;
+      default:
+        break;
     }
   }
   void unlink(int k, int p, bool keep_slot = false) {

@@ -274,7 +274,9 @@ TEST(AllocationFailure, OfALooseEndIsRefused) {
         kf.known |= s == red::status::ok;
         break;
       case 1:
-        s = failing([&](auto& index) { return index.set_observation(k, p, {slot, kf.levels[at]}); });
+        s = failing([&](auto& index) {
+          return index.set_observation(k, p, {slot, kf.levels[at]});
+        });
         if (s == red::status::ok) pt.observers[k] = {slot, kf.levels[at]};
         break;
       case 2:
@@ -306,7 +308,8 @@ TEST(AllocationFailure, OfALooseEndIsRefused) {
     loaded.keyframes[k].levels = w.keyframes[k].levels;
     loaded.keyframes[k].eligible = w.keyframes[k].eligible;
   }
-  for (std::size_t p = 0; p != loaded.points.size(); ++p) loaded.points[p].observers = w.points[p].observers;
+  for (std::size_t p = 0; p != loaded.points.size(); ++p)
+    loaded.points[p].observers = w.points[p].observers;
   for (int pass = 0; pass != 2; ++pass)
     for (int i = 0; i != (pass == 0 ? keyframes : points); ++i) {
       int n = 0;

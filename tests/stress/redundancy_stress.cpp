@@ -41,7 +41,8 @@ TYPED_TEST(RedundancyStress, ThreeThreadsChangeObservationsAndOneReads) {
       }
       do {
         for (int k = 0; k != keyframes; ++k)
-          for (const red::verdict& v : {w.histogram.check(k), w.sets.check(k), w.recompute.check(k)}) {
+          for (const red::verdict& v :
+               {w.histogram.check(k), w.sets.check(k), w.recompute.check(k)}) {
             if (v.result == status::removed_keyframe) continue;
             ASSERT_EQ(v.result, status::ok);
             ASSERT_GE(v.redundant_slots, 0);

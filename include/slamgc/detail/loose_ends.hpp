@@ -84,7 +84,8 @@ class loose_ends {
   }
   /// One side (the slot that holds the point if @p holds, else the observation that names the slot) comes or goes. What
   /// comes ties up with the other side or is loose; what goes was loose or leaves the other side so.
-  [[nodiscard]] tie_result tie(const Keyframe& k, int slot, bool holds, bool comes, loose_ends& spare) {
+  [[nodiscard]] tie_result tie(const Keyframe& k, int slot, bool holds, bool comes,
+                               loose_ends& spare) {
     if (take(k, slot, holds != comes, spare)) return tie_result::tied;
     return put(k, slot, holds == comes, spare) ? tie_result::loose : tie_result::no_memory;
   }

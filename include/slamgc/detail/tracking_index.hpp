@@ -50,7 +50,8 @@ class tracking_index : public redundancy::index<Scheme, Map> {
     map_.observers(p, [&](const keyframe& k, const observation& o) {
       if (o.slot < 0) return true;
       const int reach = this->reach(map_.level(k, o.slot));
-      if (wanted(reach) && map_.eligible(k, o.slot) && !loose.has(k, o.slot, false)) f(k, o.slot, reach, 1);
+      if (wanted(reach) && map_.eligible(k, o.slot) && !loose.has(k, o.slot, false))
+        f(k, o.slot, reach, 1);
       return true;
     });
     loose_holders(p, f);
@@ -145,8 +146,10 @@ class tracking_index : public redundancy::index<Scheme, Map> {
       if (goes) (void)ends(p).take(k, before->slot, false, spare);
       return true;
     }
-    if (goes && ends(p).tie(k, before->slot, false, false, spare) == tie_result::no_memory) return false;
-    if (!comes || ends(p).tie(k, after->slot, false, true, spare) != tie_result::no_memory) return true;
+    if (goes && ends(p).tie(k, before->slot, false, false, spare) == tie_result::no_memory)
+      return false;
+    if (!comes || ends(p).tie(k, after->slot, false, true, spare) != tie_result::no_memory)
+      return true;
     if (goes) (void)ends(p).tie(k, before->slot, false, true, spare);
     return false;
   }

@@ -15,8 +15,9 @@ namespace redundancy {
 /// What connection_sets keeps in a keyframe: a vector per slot, and 8 bytes per connection.
 template <class Keyframe, class Env = std_env>
 struct keyframe_connections : keyframe_counts<Env> {
-  std::mutex mutex;                          ///< Guards connected. A leaf: nothing is called while it is held.
-  std::vector<std::vector<Keyframe>> connected;  ///< For each slot the others that observe its point well enough.
+  std::mutex mutex;  ///< Guards connected. A leaf: nothing is called while it is held.
+  /// For each slot the others that observe its point well enough.
+  std::vector<std::vector<Keyframe>> connected;
 };
 
 /// What connection_sets keeps in a point.
@@ -83,7 +84,8 @@ class connection_sets : public detail::tracking_index<connection_sets<Map, Env>,
   }
 
   void slot_entered(const keyframe& k, int slot, const point& p, int) {
-    change_set(k, slot, false, true, [&](set& s) { collect(k, p, this->reach(map_.level(k, slot)), s); });
+    change_set(k, slot, false, true,
+               [&](set& s) { collect(k, p, this->reach(map_.level(k, slot)), s); });
   }
   void slot_left(const keyframe& k, int slot, const point&, int) {
     change_set(k, slot, true, false, [](set& s) { s.clear(); });
@@ -94,7 +96,9 @@ class connection_sets : public detail::tracking_index<connection_sets<Map, Env>,
   void observers_changed(const keyframe& k, const point& p, const observation* before,
                          const observation* after) {
     map_.point_state(p).known = true;
-    const auto counts_at = [](const observation* o, int reach) { return o != nullptr && o->level <= reach; };
+    const auto counts_at = [](const observation* o, int reach) {
+      return o != nullptr && o->level <= reach;
+    };
     this->holders(
         p, [&](int reach) { return counts_at(before, reach) != counts_at(after, reach); },
         [&](const keyframe& other, int slot, int reach, int) {
@@ -112,14 +116,19 @@ class connection_sets : public detail::tracking_index<connection_sets<Map, Env>,
     return map_.point_state(p).known ? status::known_point : status::ok;
   }
   void count_all(const point& p) {
-    map_.observers(p, [&](const keyframe&, const observation&) { return !(map_.point_state(p).known = true); });
-    this->holders(p, [](int) { return true; }, [&](const keyframe& k, int slot, int reach, int) {
-      change_set(k, slot, true, true, [&](set& s) { collect(k, p, reach, s); });
+    map_.observers(p, [&](const keyframe&, const observation&) {
+      return !(map_.point_state(p).known = true);
     });
+    this->holders(
+        p, [](int) { return true; },
+        [&](const keyframe& k, int slot, int reach, int) {
+          change_set(k, slot, true, true, [&](set& s) { collect(k, p, reach, s); });
+        });
   }
   void count_none(const point& p) {
-    this->holders(p, [](int) { return true; },
-                  [&](const keyframe& k, int slot, int, int) { slot_left(k, slot, p, 0); });
+    this->holders(
+        p, [](int) { return true; },
+        [&](const keyframe& k, int slot, int, int) { slot_left(k, slot, p, 0); });
   }
   void forget_sets(const keyframe& k) {
     keyframe_state& state = map_.keyframe_state(k);

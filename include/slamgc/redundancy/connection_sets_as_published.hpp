@@ -16,9 +16,9 @@ namespace redundancy {
 /// What connection_sets_as_published keeps in a keyframe.
 template <class Keyframe, class Point, class Env = std_env>
 struct keyframe_published : keyframe_counts<Env> {
-  std::mutex mutex;                                             ///< Guards connected. A leaf.
+  std::mutex mutex;                                            ///< Guards connected. A leaf.
   std::unordered_map<Point, std::vector<Keyframe>> connected;  ///< Redundant_mappoint_connections.
-  typename Env::template atomic<int> redundant{0};              ///< nRedundantObservations.
+  typename Env::template atomic<int> redundant{0};             ///< nRedundantObservations.
 };
 
 /// Index that follows the pseudo code of the thesis, chapter 5: AddMapPoint() when a slot is set,
@@ -60,7 +60,9 @@ class connection_sets_as_published : public index<connection_sets_as_published<M
   }
   void forget(const keyframe&) {}
   status point_added(const point&) { return status::ok; }
-  status observed(const keyframe&, const point&, const observation*, const observation*) { return status::ok; }
+  status observed(const keyframe&, const point&, const observation*, const observation*) {
+    return status::ok;
+  }
   void dropped(const point&) {}
   status slot_changed(const keyframe& k, int slot, const point& old, const point* p) {
     if (!map_.is_null(old)) erase_map_point_match(k, old);
@@ -109,7 +111,9 @@ class connection_sets_as_published : public index<connection_sets_as_published<M
       return true;
     });
   }
-  [[nodiscard]] std::size_t threshold() const noexcept { return static_cast<std::size_t>(rule_.others); }
+  [[nodiscard]] std::size_t threshold() const noexcept {
+    return static_cast<std::size_t>(rule_.others);
+  }
 
   [[nodiscard]] verdict judge(const keyframe& k) const {
     verdict v = this->counts(k).judge(rule_);

@@ -66,7 +66,7 @@ class keyframe_counts {
     // Modulo 2^64. No count falls below zero: what a slot takes away it had added before, under the same lock. Only those
     // of a removed keyframe may, which nobody reads; hence the flags are the low bits.
     word_.fetch_add((static_cast<std::uint64_t>(std::int64_t{eligible}) << eligible_shift) +
-                    (static_cast<std::uint64_t>(std::int64_t{redundant}) << redundant_shift),
+                        (static_cast<std::uint64_t>(std::int64_t{redundant}) << redundant_shift),
                     order);
   }
   /// Both counts at one moment, judged by the rule.
@@ -223,7 +223,9 @@ class index {
   [[nodiscard]] Scheme& scheme() noexcept { return static_cast<Scheme&>(*this); }
   [[nodiscard]] const Scheme& scheme() const noexcept { return static_cast<const Scheme&>(*this); }
 
-  [[nodiscard]] static bool has_level(int level) noexcept { return level >= 0 && level < Map::levels; }
+  [[nodiscard]] static bool has_level(int level) noexcept {
+    return level >= 0 && level < Map::levels;
+  }
   [[nodiscard]] status check_range(const keyframe& k, const observation& o) const {
     if (!has_level(o.level)) return status::level_out_of_range;
     if (o.slot < -1 || o.slot >= map_.slots(k)) return status::slot_out_of_range;

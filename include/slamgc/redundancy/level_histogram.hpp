@@ -33,7 +33,7 @@ class level_histogram : public detail::tracking_index<level_histogram<Map, Env>,
  public:
   using typename base::keyframe;
   using typename base::point;
-  using keyframe_state = keyframe_counts<Env>;  ///< What a keyframe keeps.
+  using keyframe_state = keyframe_counts<Env>;              ///< What a keyframe keeps.
   using point_state = point_levels<keyframe, Map::levels>;  ///< What a point keeps.
 
   /// An index of the map, by the rule.
@@ -51,7 +51,9 @@ class level_histogram : public detail::tracking_index<level_histogram<Map, Env>,
   [[nodiscard]] bool seen(const row& r, int reach, int own) const noexcept {
     return r[at(reach)] - own >= rule_.others;
   }
-  [[nodiscard]] static std::size_t at(int level) noexcept { return static_cast<std::size_t>(level); }
+  [[nodiscard]] static std::size_t at(int level) noexcept {
+    return static_cast<std::size_t>(level);
+  }
 
   [[nodiscard]] verdict judge(const keyframe& k) const { return this->counts(k).judge(rule_); }
 
@@ -78,7 +80,8 @@ class level_histogram : public detail::tracking_index<level_histogram<Map, Env>,
     if (before != nullptr)
       for (auto l = at(before->level); l != now.size(); ++l) flips |= now[l]-- == edge;
     const auto change = [&](int reach, int own) {
-      const int gain = int{after != nullptr && after->level <= reach} - int{before != nullptr && before->level <= reach};
+      const int gain = int{after != nullptr && after->level <= reach} -
+                       int{before != nullptr && before->level <= reach};
       return int{seen(now, reach, own)} - int{seen(now, reach, own + gain)};
     };
     const auto recount = [&](const keyframe& other, int, int reach, int own) {
@@ -86,7 +89,8 @@ class level_histogram : public detail::tracking_index<level_histogram<Map, Env>,
       if (by != 0 && !(other == k)) this->counts(other).add(0, by);
     };
     if (flips)
-      this->holders(p, [&](int reach) { return change(reach, 1) != 0; }, recount);
+      this->holders(
+          p, [&](int reach) { return change(reach, 1) != 0; }, recount);
     else
       this->loose_holders(p, recount);
   }
@@ -104,15 +108,19 @@ class level_histogram : public detail::tracking_index<level_histogram<Map, Env>,
       for (int l = o.level; l != Map::levels; ++l) ++now[at(l)];
       return true;
     });
-    this->holders(p, [](int) { return true; }, [&](const keyframe& k, int, int reach, int own) {
-      this->counts(k).add(0, int{seen(now, reach, own)} - int{seen(old, reach, own)});
-    });
+    this->holders(
+        p, [](int) { return true; },
+        [&](const keyframe& k, int, int reach, int own) {
+          this->counts(k).add(0, int{seen(now, reach, own)} - int{seen(old, reach, own)});
+        });
   }
   void count_none(const point& p) {
     row& now = up_to(p);
-    this->holders(p, [](int) { return true; }, [&](const keyframe& k, int, int reach, int own) {
-      this->counts(k).add(-1, -int{seen(now, reach, own)});
-    });
+    this->holders(
+        p, [](int) { return true; },
+        [&](const keyframe& k, int, int reach, int own) {
+          this->counts(k).add(-1, -int{seen(now, reach, own)});
+        });
     now = row{};
   }
   void forget_sets(const keyframe&) {}

@@ -20,7 +20,8 @@ class recompute : public index<recompute<Map, Env>, Map> {
  public:
   using typename base::keyframe;
   using typename base::point;
-  using keyframe_state = keyframe_counts<Env>;  ///< What a keyframe keeps; its flags alone are used.
+  using keyframe_state =
+      keyframe_counts<Env>;  ///< What a keyframe keeps; its flags alone are used.
 
   /// An index of the map, by the rule.
   explicit recompute(const Map& map, const rule& r = {}) : base(map, r) {}

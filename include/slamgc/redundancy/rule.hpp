@@ -19,14 +19,15 @@ namespace redundancy {
 
 /// The numbers of the rule. A rule is constant as long as an index uses it, but for the share, which only reading uses.
 struct rule {
-  int others = 4;       ///< Other observers that make an observation redundant. Not negative.
-  int slack = 1;        ///< By how many levels they may be coarser. Not negative.
-  int numerator = 9;    ///< With denominator: the share of redundant slots that has to be exceeded.
+  int others = 4;     ///< Other observers that make an observation redundant. Not negative.
+  int slack = 1;      ///< By how many levels they may be coarser. Not negative.
+  int numerator = 9;  ///< With denominator: the share of redundant slots that has to be exceeded.
   int denominator = 10;  ///< See numerator. Not zero.
 
   /// Whether @p redundant of @p eligible slots are too many. Integers: for up to 20,000 slots the same as ORB-SLAM3's
   /// `redundant > 0.9f * eligible` (0.5f). Never, if no slot is eligible.
-  [[nodiscard]] constexpr bool exceeded(std::int64_t redundant, std::int64_t eligible) const noexcept {
+  [[nodiscard]] constexpr bool exceeded(std::int64_t redundant,
+                                        std::int64_t eligible) const noexcept {
     return redundant * denominator > eligible * numerator;
   }
 };
@@ -55,16 +56,16 @@ struct observation {
 
 /// What became of a call. Unless it is `ok`, the index is as it was, and the map should not be changed either.
 enum class status {
-  ok,                  ///< Done; or there was nothing to do.
-  unknown_keyframe,    ///< The keyframe was not added.
-  known_keyframe,      ///< The keyframe was added already.
-  known_point,         ///< The index knows the point's observers already.
-  unknown_point,       ///< The point has observers that the index does not know; see add_point().
-  removed_keyframe,    ///< The keyframe was removed, and has no verdict any more.
-  no_point,            ///< The point is null.
-  no_observation,      ///< The keyframe does not observe the point.
-  empty_slot,          ///< The slot that should be cleared is empty.
-  slot_out_of_range,   ///< The keyframe has no such slot.
+  ok,                 ///< Done; or there was nothing to do.
+  unknown_keyframe,   ///< The keyframe was not added.
+  known_keyframe,     ///< The keyframe was added already.
+  known_point,        ///< The index knows the point's observers already.
+  unknown_point,      ///< The point has observers that the index does not know; see add_point().
+  removed_keyframe,   ///< The keyframe was removed, and has no verdict any more.
+  no_point,           ///< The point is null.
+  no_observation,     ///< The keyframe does not observe the point.
+  empty_slot,         ///< The slot that should be cleared is empty.
+  slot_out_of_range,  ///< The keyframe has no such slot.
   level_out_of_range,  ///< The map has no such level, or an observation is coarser than the slot it names.
   too_many_observers,  ///< A point of level_histogram has 65,535 observers.
   out_of_memory,       ///< A loose end could not be noted; see detail/loose_ends.hpp.
@@ -73,19 +74,32 @@ enum class status {
 /// The status as a word, for messages.
 [[nodiscard]] constexpr const char* name_of(status s) noexcept {
   switch (s) {
-    case status::ok: return "ok";
-    case status::unknown_keyframe: return "unknown keyframe";
-    case status::known_keyframe: return "known keyframe";
-    case status::known_point: return "known point";
-    case status::unknown_point: return "unknown point";
-    case status::removed_keyframe: return "removed keyframe";
-    case status::no_point: return "no point";
-    case status::no_observation: return "no observation";
-    case status::empty_slot: return "empty slot";
-    case status::slot_out_of_range: return "slot out of range";
-    case status::level_out_of_range: return "level out of range";
-    case status::too_many_observers: return "too many observers";
-    case status::out_of_memory: return "out of memory";
+    case status::ok:
+      return "ok";
+    case status::unknown_keyframe:
+      return "unknown keyframe";
+    case status::known_keyframe:
+      return "known keyframe";
+    case status::known_point:
+      return "known point";
+    case status::unknown_point:
+      return "unknown point";
+    case status::removed_keyframe:
+      return "removed keyframe";
+    case status::no_point:
+      return "no point";
+    case status::no_observation:
+      return "no observation";
+    case status::empty_slot:
+      return "empty slot";
+    case status::slot_out_of_range:
+      return "slot out of range";
+    case status::level_out_of_range:
+      return "level out of range";
+    case status::too_many_observers:
+      return "too many observers";
+    case status::out_of_memory:
+      return "out of memory";
   }
   return "";
 }

@@ -22,25 +22,68 @@ class events {
   void one() {
     const int k = keyframe(), p = point(), slot = below(slots_);
     switch (below(32)) {
-      case 0: case 1: w_.add_keyframe(k); break;
-      case 2: below(12) == 0 ? w_.remove_keyframe(k) : w_.add_keyframe(k); break;
-      case 3: below(6) == 0 ? w_.mark_bad(p) : status::ok; break;
-      case 4: case 5: case 6: case 7: case 8: case 9: see(k, p, slot); break;
-      case 10: case 11: case 12: case 13: w_.erase_observation(k, p); break;
-      case 14: case 15: w_.clear_slot(k, slot); break;
-      case 16: case 17: case 18: w_.set_slot(k, slot, p); break;
-      case 19: case 20: case 21: case 22:  // as most of ORB-SLAM3 does
+      case 0:
+      case 1:
+        w_.add_keyframe(k);
+        break;
+      case 2:
+        below(12) == 0 ? w_.remove_keyframe(k) : w_.add_keyframe(k);
+        break;
+      case 3:
+        below(6) == 0 ? w_.mark_bad(p) : status::ok;
+        break;
+      case 4:
+      case 5:
+      case 6:
+      case 7:
+      case 8:
+      case 9:
+        see(k, p, slot);
+        break;
+      case 10:
+      case 11:
+      case 12:
+      case 13:
+        w_.erase_observation(k, p);
+        break;
+      case 14:
+      case 15:
+        w_.clear_slot(k, slot);
+        break;
+      case 16:
+      case 17:
+      case 18:
+        w_.set_slot(k, slot, p);
+        break;
+      case 19:
+      case 20:
+      case 21:
+      case 22:  // as most of ORB-SLAM3 does
         if (see(k, p, slot) == status::ok) w_.set_slot(k, slot, p);
         break;
-      case 23: case 24: case 25:  // as CreateInitialMapMonocular and CorrectLoop do
+      case 23:
+      case 24:
+      case 25:  // as CreateInitialMapMonocular and CorrectLoop do
         if (w_.set_slot(k, slot, p) == status::ok) see(k, p, slot);
         break;
-      case 26: erase_match(k, p); break;
-      case 27: if (below(6) == 0) replace(p, point()); break;
-      case 28: if (below(12) == 0) cull(k); break;
-      case 29: wrong(k, p, slot); break;
-      case 30: before_it_is_known(k, p, slot); break;
-      default: see_by_the_other_camera(k, p); break;
+      case 26:
+        erase_match(k, p);
+        break;
+      case 27:
+        if (below(6) == 0) replace(p, point());
+        break;
+      case 28:
+        if (below(12) == 0) cull(k);
+        break;
+      case 29:
+        wrong(k, p, slot);
+        break;
+      case 30:
+        before_it_is_known(k, p, slot);
+        break;
+      default:
+        see_by_the_other_camera(k, p);
+        break;
     }
   }
   int keyframe() { return below(static_cast<int>(w_.keyframes.size())); }
@@ -91,15 +134,33 @@ class events {
       EXPECT_EQ(s, known ? expected : status::unknown_keyframe) << red::name_of(s);
     };
     switch (below(9)) {
-      case 0: expect(w_.set_observation(k, p, {slot, World::view::levels}), status::level_out_of_range); break;
-      case 1: expect(w_.set_observation(k, p, {slot, -1}), status::level_out_of_range); break;
-      case 2: expect(w_.set_observation(k, p, {-2, 0}), status::slot_out_of_range); break;
-      case 3: expect(w_.set_observation(k, p, {slots_, 0}), status::slot_out_of_range); break;
-      case 4: expect(w_.set_slot(k, slots_, p), status::slot_out_of_range); break;
-      case 5: expect(w_.clear_slot(k, -1), status::slot_out_of_range); break;
-      case 6: EXPECT_EQ(w_.set_slot(k, slot, none), status::no_point); break;
-      case 7: EXPECT_EQ(w_.mark_bad(none), status::no_point); break;
-      default: EXPECT_EQ(w_.erase_observation(k, none), status::no_point); break;
+      case 0:
+        expect(w_.set_observation(k, p, {slot, World::view::levels}), status::level_out_of_range);
+        break;
+      case 1:
+        expect(w_.set_observation(k, p, {slot, -1}), status::level_out_of_range);
+        break;
+      case 2:
+        expect(w_.set_observation(k, p, {-2, 0}), status::slot_out_of_range);
+        break;
+      case 3:
+        expect(w_.set_observation(k, p, {slots_, 0}), status::slot_out_of_range);
+        break;
+      case 4:
+        expect(w_.set_slot(k, slots_, p), status::slot_out_of_range);
+        break;
+      case 5:
+        expect(w_.clear_slot(k, -1), status::slot_out_of_range);
+        break;
+      case 6:
+        EXPECT_EQ(w_.set_slot(k, slot, none), status::no_point);
+        break;
+      case 7:
+        EXPECT_EQ(w_.mark_bad(none), status::no_point);
+        break;
+      default:
+        EXPECT_EQ(w_.erase_observation(k, none), status::no_point);
+        break;
     }
   }
   // The constructor of a keyframe copies slots; nobody is told before it is added.

@@ -45,7 +45,8 @@ TYPED_TEST(RandomEvents, AMapCanBeLoaded) {
     make_keyframes(loaded, slots, same);
     events<TypeParam> before(first, static_cast<unsigned>(random())), after(loaded, 1);
     for (int i = 0; i != 200; ++i) before.one();
-    for (std::size_t k = 0; k != first.keyframes.size(); ++k) loaded.keyframes[k].points = first.keyframes[k].points;
+    for (std::size_t k = 0; k != first.keyframes.size(); ++k)
+      loaded.keyframes[k].points = first.keyframes[k].points;
     for (std::size_t p = 0; p != first.points.size(); ++p) {
       loaded.points[p].observers = first.points[p].observers;
       loaded.points[p].bad = first.points[p].bad;
@@ -56,7 +57,8 @@ TYPED_TEST(RandomEvents, AMapCanBeLoaded) {
         EXPECT_EQ(s(loaded.histogram), status::ok);
         EXPECT_EQ(s(loaded.sets), status::ok);
         EXPECT_EQ(s(loaded.recompute), status::ok);
-        const bool known = !loaded.points[TypeParam::at(p)].observers.empty() && !loaded.points[TypeParam::at(p)].bad;
+        const bool known = !loaded.points[TypeParam::at(p)].observers.empty() &&
+                           !loaded.points[TypeParam::at(p)].bad;
         EXPECT_EQ(s(loaded.histogram), known ? status::known_point : status::ok);
         EXPECT_EQ(s(loaded.sets), known ? status::known_point : status::ok);
       }

@@ -35,7 +35,8 @@ TEST(Replay, IndicesAgreeAtEachEventOfARecordedSession) {
         for (const red::verdict& y : {b.index.check(b.keyframe(k)), c.index.check(c.keyframe(k))}) {
           ASSERT_EQ(x.result, y.result) << "event " << events << ", keyframe " << k;
           ASSERT_EQ(x.eligible_slots, y.eligible_slots) << "event " << events << ", keyframe " << k;
-          ASSERT_EQ(x.redundant_slots, y.redundant_slots) << "event " << events << ", keyframe " << k;
+          ASSERT_EQ(x.redundant_slots, y.redundant_slots)
+              << "event " << events << ", keyframe " << k;
           ASSERT_EQ(x.redundant, y.redundant) << "event " << events << ", keyframe " << k;
         }
         redundant += x.redundant;

@@ -13,7 +13,8 @@ namespace red = slamgc::redundancy;
 void expect_as_in_float(const red::rule& r, float share) {
   for (int eligible = 0; eligible <= 20000; ++eligible) {
     const int edge = static_cast<int>(share * static_cast<float>(eligible));
-    for (int redundant = edge > 2 ? edge - 2 : 0; redundant <= edge + 2 && redundant <= eligible; ++redundant)
+    for (int redundant = edge > 2 ? edge - 2 : 0; redundant <= edge + 2 && redundant <= eligible;
+         ++redundant)
       ASSERT_EQ(r.exceeded(redundant, eligible),
                 static_cast<float>(redundant) > share * static_cast<float>(eligible))
           << redundant << " of " << eligible;
@@ -25,7 +26,9 @@ TEST(Rule, IntegersAgreeWithTheFloatComparison) {
   expect_as_in_float(red::orb_slam3_inertial_depth, 0.5F);
 }
 
-TEST(Rule, AKeyframeWithoutEligibleSlotsIsNotRedundant) { EXPECT_FALSE(red::orb_slam3.exceeded(0, 0)); }
+TEST(Rule, AKeyframeWithoutEligibleSlotsIsNotRedundant) {
+  EXPECT_FALSE(red::orb_slam3.exceeded(0, 0));
+}
 
 TEST(Rule, LargeCountsDoNotOverflow) {
   EXPECT_TRUE((red::rule{4, 1, 1, 1000000000}).exceeded(2147483647, 2147483647));
@@ -35,7 +38,7 @@ TEST(Rule, DepthIsEligibleFromZeroToTheFarthest) {
   EXPECT_TRUE(red::eligible_by_depth(0, 40));
   EXPECT_TRUE(red::eligible_by_depth(40, 40));
   EXPECT_FALSE(red::eligible_by_depth(40.001F, 40));
-  EXPECT_FALSE(red::eligible_by_depth(-1, 40));                 // no depth, in ORB-SLAM
+  EXPECT_FALSE(red::eligible_by_depth(-1, 40));            // no depth, in ORB-SLAM
   EXPECT_TRUE(red::eligible_by_depth(std::nanf(""), 40));  // neither comparison holds, as there
 }
 

@@ -46,7 +46,9 @@ struct world {
     world* w;
 
     auto lock_slots(int k) const { return std::unique_lock<std::mutex>(w->keyframes[at(k)].mutex); }
-    auto lock_observations(int p) const { return std::unique_lock<std::mutex>(w->points[at(p)].mutex); }
+    auto lock_observations(int p) const {
+      return std::unique_lock<std::mutex>(w->points[at(p)].mutex);
+    }
     bool is_null(int p) const { return p == none; }
     bool bad(int p) const { return w->points[at(p)].bad; }
     bool find(int p, int k, red::observation& o) const {
@@ -194,9 +196,10 @@ struct world {
                        v.redundant_slots == expected.redundant_slots
                    ? ::testing::AssertionSuccess()
                    : ::testing::AssertionFailure()
-                         << who << ", keyframe " << k << ": " << red::name_of(v.result) << ", " << v.redundant_slots
-                         << " of " << v.eligible_slots << " instead of " << red::name_of(expected.result) << ", "
-                         << expected.redundant_slots << " of " << expected.eligible_slots;
+                         << who << ", keyframe " << k << ": " << red::name_of(v.result) << ", "
+                         << v.redundant_slots << " of " << v.eligible_slots << " instead of "
+                         << red::name_of(expected.result) << ", " << expected.redundant_slots
+                         << " of " << expected.eligible_slots;
       };
       if (const auto a = same("level_histogram", histogram.check(k)); !a) return a;
       if (const auto a = same("connection_sets", sets.check(k)); !a) return a;
