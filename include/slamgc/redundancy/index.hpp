@@ -206,6 +206,7 @@ class index {
   [[nodiscard]] const rule& used_rule() const noexcept { return rule_; }
 
  protected:
+  /// An index of the map, by the rule.
   index(const Map& map, const rule& r) : map_(map), rule_(r) {}
   ~index() = default;
 
