@@ -16,7 +16,7 @@ packages_of() {
       packages_of gtest
       echo pkg-config=pkg-config libboost-dev=/usr/include/boost/version.hpp valgrind=valgrind libbenchmark-dev '?relacy-dev'
       ;;
-    benchmark) echo python3=python3 libboost-dev libbenchmark-dev valgrind=valgrind '?python3-matplotlib' '?liburcu-dev' '?libxenium-dev' '?libcds-dev' ;;
+    benchmark) echo python3=python3 libboost-dev libbenchmark-dev valgrind=valgrind '?zlib1g-dev' '?python3-matplotlib' '?liburcu-dev' '?libxenium-dev' '?libcds-dev' ;;
     clang)
       packages_of gtest
       # libFuzzer comes with the runtime libraries of the clang that was chosen.
