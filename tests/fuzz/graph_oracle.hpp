@@ -183,20 +183,36 @@ class oracle : public observer {
       if (suspects[id] && !held[id]) found.push_back(id);
     return found;
   }
-  // A collection may do so from now on, or until now.
+  // What suspected boards list now may be found from now on, or until now: purges in the same call may have made it so.
   void allow_suspicion() {
-    if (!suspects_) return;
-    for (const unsigned id : out_of_reach_but_for_suspected_boards()) of(id).may_be_retired = true;
+    if (!suspects_ || only_what_is_out_of_reach_) return;
+    for (const unsigned id : existing_) {
+      const record& r = of(id);
+      if (!r.is_suspected || !r.has_root || r.is_owned) continue;
+      for (const auto& content : r.members)
+        for (const reference& e : content)
+          if (e.target != nullptr && is_described(e.target->type))
+            of(*e.target).may_be_retired = true;
+    }
   }
   void suspect(vertex& v) {
     suspects_ = true;
     of(v).is_suspected = true;
     allow_suspicion();
   }
+  // While nothing else is to be done: exactly these are found.
+  std::vector<unsigned> suspect_exactly(vertex& v) {
+    suspects_ = only_what_is_out_of_reach_ = true;
+    of(v).is_suspected = true;
+    for (const unsigned id : existing_) of(id).may_be_retired = false;
+    std::vector<unsigned> found = out_of_reach_but_for_suspected_boards();
+    for (const unsigned id : found) of(id).may_be_retired = true;
+    return found;
+  }
   void end_suspicions() {
     if (!suspects_) return;
     for (const unsigned id : existing_) of(id).is_suspected = false;
-    suspects_ = false;
+    suspects_ = only_what_is_out_of_reach_ = false;
   }
 
   // ---- what must be true when nothing is left to do: all that has to go is gone
@@ -443,6 +459,7 @@ class oracle : public observer {
   std::uint64_t stale_edges_ = 0;
   std::uint64_t changes_ = 0;
   bool suspects_ = false;
+  bool only_what_is_out_of_reach_ = false;
 };
 
 }  // namespace fuzz
