@@ -172,7 +172,7 @@ class trial_deletion {
     unpurged_ = false;
     unsettled_ = true;
     for (candidate_type* c = first_; c != nullptr; c = c->next) {
-      c->purged = true;
+      c->purged = !c->fresh;  // of a fresh one nobody knows how many references are to be explained
       c->purged_version = state_word{c->table->word_of(c->object)}.version();
       c->held = 0;
       f(*c);
@@ -284,6 +284,7 @@ class trial_deletion {
       } else {
         // Retired and found, but not in a round that destroys: in the next one.
         unsettled_ = unsettled_ || !c->live;
+        c->inner = 0;  // counts references of roots, too, which explain nothing to a purge
         resolved_ = &c->next;
       }
       if (!limit.spend()) return false;
