@@ -20,6 +20,7 @@ class oracle : public observer {
   struct record {
     vertex* object = nullptr;  // null: destroyed
     kind type{};
+    vertex* next_before = nullptr;  // the member `next`, before the last sync()
     bool retired = false;
     bool may_be_retired = false;  // by a collector
     bool was_counted = false;     // else it is nobody's, and stays
@@ -100,7 +101,7 @@ class oracle : public observer {
   }
   // Takes over what collectors did, if they were allowed to.
   void sync() {
-    for (const unsigned id : existing_) learn_retired(of(id));
+    begin_sync();
     stale_edges_ = stale_edges();
     severed_.clear();
     for (const unsigned id : existing_) compare(*of(id).object);
@@ -116,7 +117,7 @@ class oracle : public observer {
   }
   // Only the members of one vertex: its root's owner may have purged it.
   void sync(vertex& v) {
-    for (const unsigned id : existing_) learn_retired(of(id));
+    begin_sync();
     compare(v);
   }
 
@@ -261,6 +262,14 @@ class oracle : public observer {
   std::uint64_t stale_edges() const {
     return slamgc::detail::domain_access::state_of(domain_).collection.purging().stale_edges();
   }
+  void begin_sync() {
+    for (const unsigned id : existing_) {
+      record& r = of(id);
+      learn_retired(r);
+      const bool has_next = !r.members.empty() && !r.members[0].empty();
+      r.next_before = has_next ? r.members[0][0].target : nullptr;
+    }
+  }
   void learn_retired(record& r) {
     if (r.retired) return;
     with_object(*r.object, [&](auto& object) {
@@ -393,15 +402,21 @@ class oracle : public observer {
   bool may_replace(disposition how, const vertex* stale, const vertex* by) {
     if (stale == nullptr || !of(*stale).retired) return false;
     if (how == disposition::null) return by == nullptr;
-    std::vector<const vertex*> passed;
-    for (const vertex* v = stale;;) {
-      passed.push_back(v);
-      const auto& next = of(*v).members[0];  // the member of that name
-      v = next.empty() ? nullptr : next[0].target;
-      if (v == by) return true;
-      if (v == nullptr || !of(*v).retired) return false;
-      if (std::find(passed.begin(), passed.end(), v) != passed.end()) return by == nullptr;
+    // The chain may have been bypassed itself in the same purge, before or after.
+    std::vector<const vertex*> chain{stale};
+    for (std::size_t i = 0; i != chain.size(); ++i) {
+      const record& r = of(*chain[i]);
+      const vertex* const now = r.members[0].empty() ? nullptr : r.members[0][0].target;
+      for (const vertex* next : {now, static_cast<const vertex*>(r.next_before)}) {
+        if (next == by) return true;
+        if (next == nullptr || !of(*next).retired) continue;
+        if (std::find(chain.begin(), chain.end(), next) == chain.end())
+          chain.push_back(next);
+        else if (by == nullptr)
+          return true;  // a circle
+      }
     }
+    return false;
   }
 
   // No stale edge is left where a purge comes by.
