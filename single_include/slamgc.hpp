@@ -2213,8 +2213,9 @@ class trial_deletion {
         if (!limit.spend()) return false;
       }
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
-      // stored it yet will have done so after a grace period: so one more round after the last change.
-      const bool worth_it = changed_ || unsettled_;
+      // stored it yet will have done so after a grace period: so one more round after the last change. A round with suspects
+      // comes to its end, even if no root has any: else the suspicion would last.
+      const bool worth_it = changed_ || unsettled_ || suspecting_;
       unsettled_ = changed_;
       start(worth_it ? phase::recording : phase::idle);
     }
@@ -2307,7 +2308,7 @@ class trial_deletion {
     unpurged_ = false;
     unsettled_ = true;
     for (candidate_type* c = first_; c != nullptr; c = c->next) {
-      c->purged = true;
+      c->purged = !c->fresh;  // of a fresh one nobody knows how many references are to be explained
       c->purged_version = state_word{c->table->word_of(c->object)}.version();
       c->held = 0;
       f(*c);
@@ -2417,6 +2418,9 @@ class trial_deletion {
         c->next = free_;
         free_ = c;
       } else {
+        // Retired and found, but not in a round that destroys: in the next one.
+        unsettled_ = unsettled_ || !c->live;
+        c->inner = 0;  // counts references of roots, too, which explain nothing to a purge
         resolved_ = &c->next;
       }
       if (!limit.spend()) return false;

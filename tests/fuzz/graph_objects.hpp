@@ -258,11 +258,16 @@ constexpr kind kind_of() {
 template <class F>
 void with_type(vertex& v, F f) {
   switch (v.type) {
-    case kind::keyframe: return f(static_cast<keyframe&>(v));
-    case kind::point: return f(static_cast<point&>(v));
-    case kind::map: return f(static_cast<map&>(v));
-    case kind::frame: return f(static_cast<frame&>(v));
-    case kind::board: return f(static_cast<board&>(v));
+    case kind::keyframe:
+      return f(static_cast<keyframe&>(v));
+    case kind::point:
+      return f(static_cast<point&>(v));
+    case kind::map:
+      return f(static_cast<map&>(v));
+    case kind::frame:
+      return f(static_cast<frame&>(v));
+    case kind::board:
+      return f(static_cast<board&>(v));
   }
 }
 template <class F>
@@ -386,9 +391,12 @@ struct position {
 };
 inline position position_for(std::size_t n, unsigned how) {
   switch (how % 4) {
-    case 0: return {false, 0};
-    case 1: return {n != 0, n == 0 ? 0 : how / 4 % n};
-    default: return {n == longest_sequence, n == longest_sequence ? n - 1 : n};
+    case 0:
+      return {false, 0};
+    case 1:
+      return {n != 0, n == 0 ? 0 : how / 4 % n};
+    default:
+      return {n == longest_sequence, n == longest_sequence ? n - 1 : n};
   }
 }
 // One more reference, to p, in a way that `how` selects; tag is never 0.
@@ -403,7 +411,8 @@ void link(Member& member, const How& companions, T* p, unsigned how, int tag) {
     const position to = position_for(member.size(), how);
     if (!to.assigns)
       member.insert(place(member, to.at), p);
-    else if constexpr (std::is_same<typename Member::iterator, typename Member::const_iterator>::value)
+    else if constexpr (std::is_same<typename Member::iterator,
+                                    typename Member::const_iterator>::value)
       member[to.at] = p;
     else
       member.replace(place(member, to.at), p);
@@ -483,7 +492,8 @@ template <class Member>
 void transfer_members(transfer what, Member& from, Member& to) {
   if constexpr (traits<Member>::is_registry) {
     // Is not moved as a whole.
-  } else if constexpr (std::is_same<Member, slamgc::atomic_rc<typename traits<Member>::target>>::value) {
+  } else if constexpr (std::is_same<Member,
+                                    slamgc::atomic_rc<typename traits<Member>::target>>::value) {
     if (what == transfer::copy || what == transfer::append)
       to.store(from.load());
     else if (what == transfer::move)
@@ -500,7 +510,8 @@ void transfer_members(transfer what, Member& from, Member& to) {
     to = (void(to.exchange(from.get())), from.get());
   } else if constexpr (shape_of<Member> != form::sequence) {
     to.merge(from);
-  } else if constexpr (std::is_same<typename Member::iterator, typename Member::const_iterator>::value) {
+  } else if constexpr (std::is_same<typename Member::iterator,
+                                    typename Member::const_iterator>::value) {
     to.insert(to.end(), from.begin(), from.end());
   } else {
     to.splice(to.end(), from);
@@ -563,7 +574,8 @@ inline void transfer_companions(transfer what, const companions& from, const com
 template <class Described, class Visitor>
 void visit(Described& described, Visitor& v) {
   const std::lock_guard<std::mutex> lock(described.mutex);
-  described.members([&v](const char* name, auto& member, const auto& how) { v.edge(name, member, how); });
+  described.members(
+      [&v](const char* name, auto& member, const auto& how) { v.edge(name, member, how); });
 }
 template <class Visitor>
 void keyframe::edges(Visitor& v) {

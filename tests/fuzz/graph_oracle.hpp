@@ -274,7 +274,8 @@ class oracle : public observer {
     if (r.retired) return;
     with_object(*r.object, [&](auto& object) {
       if (!object.state().is_retired()) return;
-      if (!r.may_be_retired && !was_severed_from_registry(r)) fail(*r.object, "was retired by nobody");
+      if (!r.may_be_retired && !was_severed_from_registry(r))
+        fail(*r.object, "was retired by nobody");
       r.retired = true;
       ++changes_;
     });
@@ -324,7 +325,8 @@ class oracle : public observer {
     for (const unsigned id : existing_) {
       const record& r = of(id);
       const bool lives = !r.retired && (!goes_at_zero(r) || r.edges != 0);
-      if (lives || (with_rings && is_in_ring(id)) || r.pins != 0 || r.borrows != 0) sources.push_back(id);
+      if (lives || (with_rings && is_in_ring(id)) || r.pins != 0 || r.borrows != 0)
+        sources.push_back(id);
     }
     follow(sources, reached);
     return reached;

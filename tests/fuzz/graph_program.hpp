@@ -60,8 +60,8 @@ class program final : public oracle {
     return now;
   }
   [[noreturn]] void fail(const char* what) {
-    std::fprintf(stderr, "%sgraph program: %s, after %zu operations\n", in_words_ ? ">> " : "", what,
-                 done_);
+    std::fprintf(stderr, "%sgraph program: %s, after %zu operations\n", in_words_ ? ">> " : "",
+                 what, done_);
     explain();
   }
 
@@ -235,9 +235,8 @@ class program final : public oracle {
   }
   void clear_registry(vertex& owner, std::size_t i) {
     drop(owner, i);
-    with_member(owner, i, [&](auto& member, const auto& companions) {
-      fuzz::clear(member, companions);
-    });
+    with_member(owner, i,
+                [&](auto& member, const auto& companions) { fuzz::clear(member, companions); });
   }
   void retire(vertex& v) {
     bool first = false;
@@ -362,9 +361,8 @@ class program final : public oracle {
         each_companion(companions, [](auto& c) { std::reverse(c.begin(), c.end()); });
       }
     });
-    change(owner, i, [](const plain_member& m) {
-      std::reverse(m.content.begin(), m.content.end());
-    });
+    change(owner, i,
+           [](const plain_member& m) { std::reverse(m.content.begin(), m.content.end()); });
   }
   void retire_one() {
     vertex* const v = any_object();
@@ -375,10 +373,14 @@ class program final : public oracle {
   template <class F>
   void with_pin(kind k, unsigned which, F f) {
     switch (k) {
-      case kind::keyframe: return f(std::get<0>(pins_)[which % pins_each]);
-      case kind::point: return f(std::get<1>(pins_)[which % pins_each]);
-      case kind::map: return f(std::get<2>(pins_)[which % pins_each]);
-      default: return f(std::get<3>(pins_)[which % pins_each]);
+      case kind::keyframe:
+        return f(std::get<0>(pins_)[which % pins_each]);
+      case kind::point:
+        return f(std::get<1>(pins_)[which % pins_each]);
+      case kind::map:
+        return f(std::get<2>(pins_)[which % pins_each]);
+      default:
+        return f(std::get<3>(pins_)[which % pins_each]);
     }
   }
   void pin_one() {
@@ -490,7 +492,8 @@ class program final : public oracle {
     const auto& info = members_of(owner);
     for (std::size_t i = 0; i != info.size(); ++i) {
       if (!info[i].is_registry) continue;
-      say("%s.%s is dropped%s", words(owner), info[i].name, without_memory ? " without memory" : "");
+      say("%s.%s is dropped%s", words(owner), info[i].name,
+          without_memory ? " without memory" : "");
       failing_allocation = without_memory;
       clear_registry(owner, i);
       failing_allocation = 0;
@@ -608,9 +611,7 @@ class program final : public oracle {
   void tidy() {
     settle();
     for (const unsigned id : existing_copy())
-      if (of(id).type != kind::board &&
-          of(id).pins == 0)
-        give_up_on(*of(id).object);
+      if (of(id).type != kind::board && of(id).pins == 0) give_up_on(*of(id).object);
     board& b = *boards_[next() % boards];
     for (std::size_t i = 0; i != members_of(b).size(); ++i) {
       if (members_of(b)[i].is_registry)
@@ -744,7 +745,8 @@ class program final : public oracle {
   }
   bool read_real(vertex& v, std::size_t i) {
     bool in_step = false;
-    with_member(v, i, [&](auto& member, const auto& how) { in_step = read(member, how, content_); });
+    with_member(v, i,
+                [&](auto& member, const auto& how) { in_step = read(member, how, content_); });
     return in_step;
   }
   // From the real members: those of a set that dies together are empty.
@@ -762,7 +764,8 @@ class program final : public oracle {
 #if defined(__GNUC__)
   __attribute__((format(printf, 2, 3)))
 #endif
-  void say(const char* format, ...) {
+  void
+  say(const char* format, ...) {
     if (!in_words_) return;
     va_list arguments;
     va_start(arguments, format);

@@ -44,8 +44,7 @@ void name_it_at_signal(int signal) {
   std::raise(signal);
 }
 void name_it_at_the_end() {
-  if (__sanitizer_set_death_callback != nullptr)
-    __sanitizer_set_death_callback(&name_the_program);
+  if (__sanitizer_set_death_callback != nullptr) __sanitizer_set_death_callback(&name_the_program);
   std::signal(SIGABRT, &name_it_at_signal);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   std::signal(SIGSEGV, &name_it_at_signal);
