@@ -1162,7 +1162,7 @@ inline constexpr erase_edge erase{};  ///< See erase_edge.
 /// erase_with().
 template <class... Companions>
 struct erase_edge_with {
-  std::tuple<Companions&...> companions;
+  std::tuple<Companions&...> companions;  ///< What loses the same elements.
 };
 /// The element is erased from its rc_vector or rc_list, and with it what stands at the same place in each of
 /// @p companions: sequences of the same length, under the same lock. Of another length: nothing happens, and the checked
@@ -1175,7 +1175,7 @@ erase_edge_with<Companions...> erase_with(Companions&... companions) noexcept {
 /// See bypass().
 template <class Next>
 struct bypass_edge {
-  Next next;
+  Next next;  ///< What comes after a retired object.
 };
 /// The slot or element refers to what @p next(retired) returns instead, which may be null; and if that is retired too,
 /// to what comes next. For chains, whose retired members are to be stepped over. @p next is called with the locks of
@@ -2511,10 +2511,11 @@ template <class Env>
 class candidate_list {
   struct block {
     static constexpr std::size_t size = 255;
+    static constexpr std::size_t ahead = 8;
     block* next = nullptr;
     candidate<Env>* unused = nullptr;
     std::size_t used = 0;
-    candidate<Env> candidates[size];
+    candidate<Env> candidates[size + ahead];  // the last ones are never used
   };
 
  public:
@@ -2526,8 +2527,8 @@ class candidate_list {
       for (; block_ != nullptr; block_ = block_->next, index_ = 0) {
         while (index_ != block::size) {
           candidate<Env>& c = block_->candidates[index_++];
-          if (index_ + ahead < block::size)
-            __builtin_prefetch(block_->candidates[index_ + ahead].object);
+          // Objects lie anywhere: their words arrive while others are worked on.
+          __builtin_prefetch((&c)[block::ahead].object);
           if (c.object != nullptr) return &c;
         }
       }
@@ -2536,8 +2537,6 @@ class candidate_list {
 
    private:
     friend class candidate_list;
-    /// Objects lie anywhere: their words arrive while others are worked on.
-    static constexpr std::size_t ahead = 8;
     block* block_ = nullptr;
     std::size_t index_ = 0;
   };
@@ -2587,6 +2586,8 @@ class candidate_list {
   bool grow() noexcept {
     block* const more = new (std::nothrow) block;
     if (more == nullptr) return false;
+    for (std::size_t i = 0; i != block::ahead; ++i)
+      more->candidates[block::size + i].object = nullptr;
     for (std::size_t i = block::size; i-- != 0;) {
       more->candidates[i].object = nullptr;
       more->candidates[i].next_marked = more->unused;
@@ -2807,16 +2808,16 @@ class trial_deletion {
       start(phase::beginning);
     }
     if (phase_ == phase::beginning) {
-      while (candidate_type* const c = next()) {
+      const bool all = go_through(limit, [this](candidate_type& c) {
         // A new one was noted when it was added: a while ago is as good.
-        const std::uint64_t now = c->fresh ? c->noted : c->table->word_of(c->object);
-        changed_ = changed_ || c->fresh || !same_references(now, c->noted);
-        c->noted = now;
-        c->inner = 0;
-        c->fresh = c->live = false;
+        const std::uint64_t now = c.fresh ? c.noted : c.table->word_of(c.object);
+        changed_ = changed_ || c.fresh || !same_references(now, c.noted);
+        c.noted = now;
+        c.inner = 0;
+        c.fresh = c.live = false;
         ++left_;
-        if (!limit.spend()) return false;
-      }
+      });
+      if (!all) return false;
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
       // stored it yet will have done so after a grace period: so one more round after the last change. A round with suspects
       // comes to its end, even if no root has any: else the suspicion would last.
@@ -2826,14 +2827,14 @@ class trial_deletion {
       start(worth_it ? phase::recording : phase::idle);
     }
     if (phase_ == phase::recording) {
-      while (candidate_type* const c = next()) {
-        walked_ = c;
-        c->first_edge = edges_.end();
-        c->edges = 0;
-        if (!c->fresh && !c->table->walk(c->object, *this)) mark(*c);
-        if (out_of_memory_) return give_up();
-        if (!limit.spend()) return false;
-      }
+      const bool all = go_through(limit, [this](candidate_type& c) {
+        walked_ = &c;
+        c.first_edge = edges_.end();
+        c.edges = 0;
+        if (!out_of_memory_ && !c.table->walk(c.object, *this)) mark(c);
+      });
+      if (out_of_memory_) return give_up();
+      if (!all) return false;
       if (suspecting_) {
         walked_ = nullptr;
         roots_->visit([this](const root_place<Env>& root) {
@@ -2844,15 +2845,11 @@ class trial_deletion {
       start(phase::excluding);
     }
     if (phase_ == phase::excluding) {
-      while (exclude_marked(limit)) {
-        candidate_type* const c = next();
-        if (c == nullptr) {
-          start(left_ != 0 ? phase::checking : suspecting_ ? phase::resolving : phase::idle);
-          return true;
-        }
-        if (c->inner != state_word{c->noted}.count()) mark(*c);
-      }
-      return false;
+      const bool all = go_through(limit, [this](candidate_type& c) {
+        if (c.inner != state_word{c.noted}.count()) mark(c);
+      });
+      if (!all || !exclude_marked(limit)) return false;
+      start(left_ != 0 ? phase::checking : suspecting_ ? phase::resolving : phase::idle);
     }
     return true;
   }
@@ -2866,17 +2863,12 @@ class trial_deletion {
   /// Steps 4 to 6, after the grace period. False if the limit came first.
   bool decide(limit_type& limit, std::size_t& reclaimed) noexcept {
     if (phase_ == phase::checking) {
-      for (;;) {
-        if (!exclude_marked(limit)) return false;
-        candidate_type* const c = next();
-        if (c == nullptr) break;
-        if (c->live) continue;
-        if (!same_references(c->table->word_of(c->object), c->noted)) {
-          disturbed(*c);
-          mark(*c);
-        }
-        if (!limit.spend()) return false;
-      }
+      const bool all = go_through(limit, [this](candidate_type& c) {
+        if (c.live || same_references(c.table->word_of(c.object), c.noted)) return;
+        disturbed(c);
+        mark(c);
+      });
+      if (!all || !exclude_marked(limit)) return false;
       if (any_blocks_ && !suspecting_) decision_.open();
       decided_ = true;
       marked_blocks_ = false;
@@ -2886,13 +2878,11 @@ class trial_deletion {
     if (!expire_blocks(limit)) return false;
     if (phase_ == phase::expired) return true;
     if (phase_ == phase::severing) {
-      while (candidate_type* const c = next()) {
-        if (c->live) continue;
-        if (!c->table->sever(c->object)) mark(*c);
-        if (!limit.spend()) return false;
-      }
+      const bool all = go_through(limit, [this](candidate_type& c) {
+        if (!c.live && !c.table->sever(c.object)) mark(c);
+      });
       // What could not be severed stays, with what it refers to.
-      if (!exclude_marked(limit)) return false;
+      if (!all || !exclude_marked(limit)) return false;
       start(phase::destroying);
     }
     if (phase_ == phase::destroying) {
@@ -2970,6 +2960,20 @@ class trial_deletion {
     if (p == phase::recording) edges_.clear();
   }
   candidate_type* next() noexcept { return at_.next(); }
+  /// Calls f(candidate) for each that is left in this phase. False if the limit came first.
+  template <class F>
+  bool go_through(limit_type& limit, F f) noexcept {
+    auto at = at_;  // in registers
+    bool more = true;
+    while (more) {
+      candidate_type* const c = at.next();
+      if (c == nullptr) break;
+      f(*c);
+      more = limit.spend();
+    }
+    at_ = at;
+    return more;
+  }
   void mark(candidate_type& c) noexcept {
     if (c.live) return;
     c.live = true;
@@ -5283,7 +5287,7 @@ namespace detail {
 /// Hears where counted members begin and end on one thread: see diagnosis/check_description.hpp.
 class member_watcher {
  public:
-  virtual void made(const void* member, const char* type) noexcept = 0;
+  virtual void made(void* member, const char* type) noexcept = 0;
   virtual void ended(const void* member) noexcept = 0;
 
   /// The calling thread's, or null.

@@ -189,7 +189,8 @@ class candidate_list {
   bool grow() noexcept {
     block* const more = new (std::nothrow) block;
     if (more == nullptr) return false;
-    for (std::size_t i = 0; i != block::ahead; ++i) more->candidates[block::size + i].object = nullptr;
+    for (std::size_t i = 0; i != block::ahead; ++i)
+      more->candidates[block::size + i].object = nullptr;
     for (std::size_t i = block::size; i-- != 0;) {
       more->candidates[i].object = nullptr;
       more->candidates[i].next_marked = more->unused;
