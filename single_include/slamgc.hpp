@@ -1268,7 +1268,8 @@ struct edge_keyed : edge_container<Container> {
       if (stale.few(member.size())) {
         stale.template each<target>([&](target* p) {
           const auto at = member.find(p);
-          if (at == member.end() || reference()(*at) != p) return false;  // or just an equivalent one
+          if (at == member.end() || reference()(*at) != p)
+            return false;  // or just an equivalent one
           member.erase(at);
           return true;
         });
@@ -6899,7 +6900,8 @@ class registry : public Container {
     if (mine.empty()) return;
     // What an allocator with a state refers to may end with the registry.
     if constexpr (std::is_nothrow_move_constructible<content>::value &&
-                  std::allocator_traits<typename Container::allocator_type>::is_always_equal::value) {
+                  std::allocator_traits<
+                      typename Container::allocator_type>::is_always_equal::value) {
       using batch = detail::dropped_content<object, content, to_pointer>;
       if (auto* const dropped = new (std::nothrow) batch(std::move(mine))) {
         mine.clear();

@@ -85,7 +85,8 @@ class registry : public Container {
     if (mine.empty()) return;
     // What an allocator with a state refers to may end with the registry.
     if constexpr (std::is_nothrow_move_constructible<content>::value &&
-                  std::allocator_traits<typename Container::allocator_type>::is_always_equal::value) {
+                  std::allocator_traits<
+                      typename Container::allocator_type>::is_always_equal::value) {
       using batch = detail::dropped_content<object, content, to_pointer>;
       if (auto* const dropped = new (std::nothrow) batch(std::move(mine))) {
         mine.clear();

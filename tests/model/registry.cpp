@@ -106,7 +106,8 @@ struct cleared : clearing<cleared> {
 /// Two threads clear registries of one domain, while it is collected.
 struct cleared_at_once : domain_model<cleared_at_once, 3> {
   static constexpr unsigned context_bound = 1;
-  using of = slamgc::registry<slamgc::rc_vector<kept_node, arena_allocator<kept_node*>>, relacy_env>;
+  using of =
+      slamgc::registry<slamgc::rc_vector<kept_node, arena_allocator<kept_node*>>, relacy_env>;
   of* mine[2];
 
   void before() {

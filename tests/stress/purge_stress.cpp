@@ -32,7 +32,8 @@ struct frame
   }
   template <class Visitor>
   void edges(Visitor& v) {
-    v.edge("parent", parent, on_retire::bypass([](frame& retired) { return retired.parent.get(); }));
+    v.edge("parent", parent,
+           on_retire::bypass([](frame& retired) { return retired.parent.get(); }));
     v.edge("previous", previous, on_retire::null);
     const std::lock_guard<std::mutex> lock(mutex);
     v.edge("neighbours", neighbours, on_retire::erase_with(weights));
@@ -102,7 +103,8 @@ TYPED_TEST(PurgeStress, MutatorsLeaveStaleEdgesBehind) {
           const std::lock_guard<std::mutex> lock(from.mutex);
           if (!from.frames.empty()) {
             auto at = from.frames.begin();
-            for (auto steps = random() % 8; steps != 0 && std::next(at) != from.frames.end(); --steps)
+            for (auto steps = random() % 8; steps != 0 && std::next(at) != from.frames.end();
+                 --steps)
               ++at;
             p = *at;
           }

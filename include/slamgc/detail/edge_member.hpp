@@ -214,7 +214,8 @@ struct edge_keyed : edge_container<Container> {
       if (stale.few(member.size())) {
         stale.template each<target>([&](target* p) {
           const auto at = member.find(p);
-          if (at == member.end() || reference()(*at) != p) return false;  // or just an equivalent one
+          if (at == member.end() || reference()(*at) != p)
+            return false;  // or just an equivalent one
           member.erase(at);
           return true;
         });

@@ -166,8 +166,7 @@ struct bypassing {
   void edges(Visitor& v) {
     v.edge("member", member, on_retire::bypass([this](auto& retired) {
              ++asked;
-             return static_cast<decltype(member.get())>(
-                 static_cast<special*>(retired.next.get()));
+             return static_cast<decltype(member.get())>(static_cast<special*>(retired.next.get()));
            }));
   }
 };
@@ -292,8 +291,7 @@ using containers = ::testing::Types<
     slamgc::rc_vector<const item>, slamgc::rc_list<item, counting_allocator<item*>>,
     slamgc::rc_set<item>, slamgc::rc_set<const item, by_id>, slamgc::rc_map<special, std::string>,
     slamgc::rc_value_map<long, const item, std::greater<long>>,
-    slamgc::rc_unordered_set<const item, hash_of_id>,
-    slamgc::rc_unordered_map<item, std::string>>;
+    slamgc::rc_unordered_set<const item, hash_of_id>, slamgc::rc_unordered_map<item, std::string>>;
 TYPED_TEST_SUITE(DispositionOfContainer, containers, );
 
 // Few elements are walked; of many, few stuck ones are looked up (by a collector).
@@ -383,8 +381,7 @@ TEST(Dispositions, EraseLooksAtTheValuesOfAValueMap) {
 TEST(Dispositions, NullInASequence) {
   using place = place_of<slamgc::rc_vector<item>, on_retire::null_edge>;
   purge<place>(
-      10, some,
-      [](place& at, const auto& all) { at.member.assign(all.begin(), all.end()); },
+      10, some, [](place& at, const auto& all) { at.member.assign(all.begin(), all.end()); },
       [](place& at, const auto&) {
         EXPECT_EQ(ids(at.member), (std::vector<int>{-1, 1, -1, -1, 4, 5, 6, -1, 8, -1}));
       });
@@ -415,7 +412,8 @@ TEST(Dispositions, BypassInASequence) {
   purge<bypassed_sequence>(
       10, some,
       [](bypassed_sequence& at, const auto& all) {
-        for (const int i : {0, 2, 3, 7}) all[static_cast<std::size_t>(i)]->next = all[static_cast<std::size_t>(i + 1)];
+        for (const int i : {0, 2, 3, 7})
+          all[static_cast<std::size_t>(i)]->next = all[static_cast<std::size_t>(i + 1)];
         at.member.assign(all.begin(), all.end());
         at.member.push_back(nullptr);
       },
@@ -451,9 +449,8 @@ TYPED_TEST_SUITE(Companions, sequences, );
 
 TYPED_TEST(Companions, LoseWhatStoodAtTheSamePlace) {
   using place = accompanied<TypeParam>;
-  for (const std::set<int>& dead :
-       {some, std::set<int>{}, std::set<int>{0}, std::set<int>{9},
-        std::set<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}})
+  for (const std::set<int>& dead : {some, std::set<int>{}, std::set<int>{0}, std::set<int>{9},
+                                    std::set<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}})
     purge<place>(
         20, dead,
         [](place& at, const auto& all) {
