@@ -26,8 +26,8 @@
 
 // ---- slamgc/slamgc.hpp ----
 /// @file
-/// Everything, except mutex_counter.hpp, which exists for comparison, and background_reclaimer.hpp, which a
-/// program includes in one place: `<mutex>` is large.
+/// Everything, except mutex_counter.hpp, which exists for comparison, and what a program includes in one place, since
+/// `<mutex>` is large: background_reclaimer.hpp, diagnosis/quarantine.hpp, integrations/.
 
 // ---- slamgc/anchor.hpp ----
 /// @file
@@ -45,6 +45,12 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+
+// ---- slamgc/detail/object_watch.hpp ----
+/// @file
+/// Where a tool that watches objects is told of them; diagnosis/quarantine.hpp is one.
+///
+/// In the checked flavour only: there it is one branch for each object that is retired, falls to zero or is destroyed.
 
 // ---- slamgc/flavour.hpp ----
 /// @file
@@ -77,20 +83,98 @@
 #define SLAMGC_SHARED __attribute__((visibility("default")))
 
 namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+/// The memory of an object whose destructor has run.
+struct held_memory {
+  static constexpr unsigned char pattern = 0xdd;  // of all bytes but the header's
+
+  void* begin;
+  std::size_t size;
+  const char* type;
+  void* header;  // a new one: who counts a reference to the object is found out by it
+  std::size_t header_size;
+  bool (*header_is_new)(const void* header) noexcept;
+  void (*free)(const held_memory&) noexcept;  // what `delete` does after the destructor
+};
+
+class object_watch {
+ public:
+  using place = std::uint32_t;  // in the program, by its stack; 0: not known
+
+  /// The calling thread is about to drop the last reference to the object.
+  virtual void falls_to_zero(const void* object, const char* type) noexcept = 0;
+  virtual void retired(const void* object, const char* type) noexcept = 0;
+  /// Whether to report that it was retired before.
+  virtual bool reports_double_retire() const noexcept = 0;
+  /// Memory to free, now or later.
+  virtual void hold(const held_memory& memory) noexcept = 0;
+  /// The object is destroyed as usual.
+  virtual void let_go(const void* object) noexcept = 0;
+  /// Whether @p p points into memory that is held.
+  virtual bool holds(const void* p) noexcept = 0;
+  virtual place here() noexcept = 0;
+  /// Prints what is known of the object at @p p, to the standard error stream.
+  virtual void print(const void* p, place borrowed) noexcept = 0;
+
+ protected:
+  ~object_watch() = default;
+};
+
+/// Changed only while no other thread uses objects.
+inline object_watch* watch = nullptr;
+
+}  // namespace SLAMGC_SHARED
+
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// Null, as the compiler knows, in the unchecked flavour. (Were it constexpr, g++ would warn of calls that are never made.)
+inline runtime::object_watch* watch() noexcept {
+#if SLAMGC_DEBUG
+  return runtime::watch;
+#else
+  return nullptr;
+#endif
+}
+
+/// Whether the object at @p p was reclaimed and somebody found out in time.
+inline bool was_reclaimed(const void* p) noexcept {
+  return watch() != nullptr && watch()->holds(p);
+}
+
+/// Whether a second retirement is to be reported.
+inline bool reports_double_retire() noexcept {
+  return watch() != nullptr && watch()->reports_double_retire();
+}
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
 /// What a failed check knows about the object that was misused.
 struct misuse {
-  const char* what;     ///< What the program did, as a phrase.
-  const char* type;     ///< The object's type, as the compiler spells it.
-  const void* object;   ///< The object's address.
-  std::uint32_t count;  ///< The reference count that was found.
+  const char* what;         ///< What the program did, as a phrase.
+  const char* type;         ///< The object's type, as the compiler spells it.
+  const void* object;       ///< The object's address.
+  std::uint32_t count;      ///< The reference count that was found.
+  std::uint32_t place = 0;  ///< For print_places(): where the pointer was borrowed.
 };
+
+/// Prints where *@p m happened, and where its object came to its end, to the standard error stream, if a quarantine is at
+/// work (diagnosis/quarantine.hpp); else nothing. For a `SLAMGC_ASSERT` of the program's own.
+inline void print_places(const misuse& m) noexcept {
+  if (auto* const watch = detail::watch()) watch->print(m.object, m.place);
+}
 
 /// Prints @p m to the standard error stream and aborts. The default of `SLAMGC_ASSERT`.
 [[noreturn]] inline void abort_on(const misuse& m) noexcept {
   std::fprintf(stderr, "slamgc: %s: object %p of type %s, count %lu\n", m.what, m.object, m.type,
                static_cast<unsigned long>(m.count));
+  print_places(m);
   std::abort();
 }
 
@@ -772,6 +856,127 @@ void drop_reference(T* p) noexcept {
 }  // namespace detail
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
+// ---- slamgc/detail/hold_back.hpp ----
+/// @file
+/// Destroying an object without freeing its memory.
+///
+/// `delete` is taken apart: the destructor here, the deallocation function that `delete` would have called later. Which one that
+/// is depends on the most derived type. It is known for a type without a virtual destructor; for one that has it, only if the
+/// object is exactly that type, by run-time type information. Else, and for a class with a destroying `operator delete` or with one
+/// that is not accessible together with its destructor, objects are deleted as usual.
+
+#include <cstring>
+#include <new>
+#if defined(__cpp_rtti)
+#include <typeinfo>
+#endif
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// Whether T has a member `operator delete` with these parameters.
+template <class T, class Parameters, class = void>
+struct has_delete : std::false_type {};
+template <class T, class... P>
+struct has_delete<T, void(P...),
+                  std::void_t<decltype(static_cast<void (*)(P...)>(&T::operator delete))>>
+    : std::true_type {};
+
+#if defined(__cpp_lib_destroying_delete)
+template <class T>
+struct has_destroying_delete
+    : std::bool_constant<
+          has_delete<T, void(T*, std::destroying_delete_t)>::value ||
+          has_delete<T, void(T*, std::destroying_delete_t, std::size_t)>::value ||
+          has_delete<T, void(T*, std::destroying_delete_t, std::align_val_t)>::value ||
+          has_delete<T, void(T*, std::destroying_delete_t, std::size_t, std::align_val_t)>::value> {
+};
+#else
+template <class T>
+struct has_destroying_delete : std::false_type {};
+#endif
+
+/// The deallocation function of `delete static_cast<T*>(p)`: [expr.delete] in the C++ standard.
+template <class T>
+void deallocate(void* p) noexcept {
+  constexpr bool over_aligned = alignof(T) > __STDCPP_DEFAULT_NEW_ALIGNMENT__;
+  constexpr std::align_val_t alignment{alignof(T)};
+  constexpr bool plain = has_delete<T, void(void*)>::value;
+  constexpr bool sized = has_delete<T, void(void*, std::size_t)>::value;
+  constexpr bool aligned = has_delete<T, void(void*, std::align_val_t)>::value;
+  constexpr bool both = has_delete<T, void(void*, std::size_t, std::align_val_t)>::value;
+  // A member before a global one; one that takes the alignment if that matters, else one that does not; then the one
+  // without a size.
+  if constexpr (aligned && (over_aligned || !(plain || sized))) {
+    T::operator delete(p, alignment);
+  } else if constexpr (both && (over_aligned || !(plain || sized))) {
+    T::operator delete(p, sizeof(T), alignment);
+  } else if constexpr (plain) {
+    T::operator delete(p);
+  } else if constexpr (sized) {
+    T::operator delete(p, sizeof(T));
+  } else if constexpr (over_aligned) {
+    ::operator delete(p, alignment);
+  } else {
+#if defined(__cpp_sized_deallocation)
+    ::operator delete(p, sizeof(T));
+#else
+    ::operator delete(p);
+#endif
+  }
+}
+
+/// Whether *object is a T and nothing derived from it, as far as that can be known.
+template <class T>
+bool is_exactly([[maybe_unused]] const T& object) noexcept {
+  if constexpr (std::is_final<T>::value || !std::has_virtual_destructor<T>::value) {
+    return true;
+  } else {
+#if defined(__cpp_rtti)
+    return typeid(object) == typeid(T);
+#else
+    return false;
+#endif
+  }
+}
+
+/// Destroys the object and gives its memory to @p by. False if it is left to the caller, as it was.
+template <class T>
+bool hold_back(T* object, runtime::object_watch& by) noexcept {
+  if constexpr (std::is_destructible<T>::value && !has_destroying_delete<T>::value) {
+    if (is_exactly(*object)) {
+      using policy = policy_of<T>;
+      using header_type = header<policy>;
+      // Nothing is added to it, even by a program that goes on after a report.
+      constexpr std::uint64_t word = state_word::retired_flag | state_word::queued_flag;
+      void* const memory = object;
+      void* const place = &access::header_of(*object);
+      object->~T();
+      std::memset(memory, runtime::held_memory::pattern, sizeof(T));
+      auto* const header = new (place) header_type;
+      (void)policy::add(header->state, word);
+      header->link.store(header, std::memory_order_relaxed);  // (8) as mark_dying
+      by.hold({memory, sizeof(T), type_name<T>::get(), header, sizeof(header_type),
+               [](const void* of) noexcept {
+                 const auto& h = *static_cast<const header_type*>(of);
+                 return policy::load(h.state) == word &&
+                        h.link.load(std::memory_order_relaxed) == of;  // (8)
+               },
+               [](const runtime::held_memory& m) noexcept {
+                 static_cast<header_type*>(m.header)->~header_type();
+                 deallocate<T>(m.begin);
+               }});
+      return true;
+    }
+  }
+  by.let_go(object);
+  return false;
+}
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
@@ -794,6 +999,10 @@ state_word uncount_reference(T* object) noexcept {
 template <class T>
 void destroy_object(T* object) noexcept {
   detail::mark_dying(object);
+#if SLAMGC_DEBUG
+  if (auto* const watch = detail::watch())
+    if (detail::hold_back(object, *watch)) return;
+#endif
   delete object;
 }
 
@@ -1117,7 +1326,8 @@ class companion_cursor {
   std::size_t seen_ = 0;
 };
 
-/// What bypass puts in the place of @p p. Chains of retired objects may be circles.
+/// What bypass puts in the place of @p p. Chains of retired objects may be circles; in a retired object that is itself part of a
+/// long one, what comes after so many steps is nothing: else a map that died but for one object would take quadratic time.
 template <class T, class Next, class Stale>
 T* bypassed(T* p, const Next& next, Stale& stale) {
   T* mark = p;
@@ -1125,7 +1335,7 @@ T* bypassed(T* p, const Next& next, Stale& stale) {
   std::size_t next_mark = 1;
   do {
     p = next(*p);
-    if (p == mark) return nullptr;
+    if (p == mark || steps == stale.patience()) return nullptr;
     if (++steps == next_mark) {  // Brent 1980: the mark moves at powers of two
       mark = p;
       next_mark *= 2;
@@ -1216,6 +1426,7 @@ struct edge_sequence : edge_container<Container> {
   template <class... Companions, class Stale>
   static void purge(Container& member, const on_retire::erase_edge_with<Companions...>& how,
                     Stale& stale) {
+    if (member.empty()) return;  // some clear the sequence and forget its companions
     const bool in_step = std::apply(
         [&](auto&... c) { return (... && (c.size() == member.size())); }, how.companions);
     SLAMGC_ASSERT(in_step, (misuse{"describes a companion of another length than its sequence",
@@ -1353,7 +1564,9 @@ struct edge_member<rc_unordered_map<T, M, Options...>>
 /// all references to it, and those that are left are held or not described. That is true unless an edge moved past the walk:
 /// so if the references that a purge has seen do not add up to the count, it is due again after 1, 2, 4, ... calls.
 ///
-/// **Where edges of retired objects are concerned**: they stay as they are until the object is reclaimed.
+/// **Edges of stuck objects** are purged, too. Else a retired keyframe that one member of a thread holds would keep the next one
+/// that is retired, and that one the next: one old reference, and nothing would be reclaimed any more. What the program needs
+/// of a retired object that it still uses, such as the parent that its pose is relative to, is for its edges() to hold.
 ///
 /// **Why it is safe**: a purge drops references as the program could at any time. It holds no lock of the library, and
 /// destroys nothing. Between its begin and its end no object is destroyed at all.
@@ -1516,14 +1729,18 @@ struct edge_target {
   const char* type;
   std::uint64_t word;
   const described_operations<Env>*
-      described;  // null: its type describes no edges, or does not defer
+      described;                            // null: its type describes no edges, or does not defer
+  std::uint64_t (*id)(const void* object);  // null: its type has no report_id()
 };
 
-/// Takes the described references of an object or a root, for reports.
+/// Takes what a collector knows, for reports.
 template <class Env>
 class edge_sink {
  public:
+  /// A described reference of an object or a root.
   virtual void edge(const char* name, const char* disposition, const edge_target<Env>& target) = 0;
+  /// An object that waits in a table.
+  virtual void waiting(const edge_target<Env>& object) = 0;
 
  protected:
   ~edge_sink() = default;
@@ -1863,6 +2080,70 @@ class root_list {
 /// @file
 /// What all zero-count tables have in common, whatever the type of their objects.
 
+// ---- slamgc/stats.hpp ----
+/// @file
+/// What a domain can say about itself, as plain numbers.
+
+#include <vector>
+
+namespace slamgc {
+
+/// Numbers of the objects of one type in one domain.
+struct type_stats {
+  const char* type = "";        ///< The type, as the compiler spells it.
+  std::size_t object_size = 0;  ///< Bytes of one object, without what it allocates itself.
+  std::uint64_t created = 0;    ///< Objects made so far.
+  std::uint64_t live = 0;       ///< Objects that exist now.
+  std::uint64_t retired = 0;    ///< Objects declared dead so far; see retire().
+  std::uint64_t reclaimed = 0;  ///< Objects destroyed by collectors so far.
+  std::uint64_t stuck = 0;      ///< Retired objects with described edges that others refer to now.
+  std::uint64_t backlog = 0;    ///< Objects that wait for a collector now.
+
+  /// Bytes of the objects that exist now, without what they allocate themselves.
+  [[nodiscard]] std::uint64_t live_bytes() const noexcept { return live * object_size; }
+  /// Bytes of the objects destroyed by collectors so far, without what they had allocated themselves.
+  [[nodiscard]] std::uint64_t reclaimed_bytes() const noexcept { return reclaimed * object_size; }
+};
+
+/// Numbers of one registered thread.
+struct mutator_stats {
+  const char* name = "";  ///< The name it registered with.
+  bool online = false;    ///< Whether it may hold borrowed pointers.
+  bool delays = false;    ///< Whether the open grace period waits for it.
+};
+
+/// Whom reclamation waits for.
+struct delay {
+  const char* oldest = nullptr;  ///< Who holds the open grace period up, the longest; null: nobody.
+  std::chrono::nanoseconds age{0};  ///< For how long it has held it up.
+  std::uint64_t backlog = 0;        ///< Objects that wait.
+};
+
+/// Numbers of one domain.
+struct domain_stats {
+  std::vector<type_stats> types;                ///< One for each type of which an object was made.
+  std::vector<mutator_stats> mutators;          ///< One for each registered thread.
+  delay delayed;                                ///< Whom reclamation waits for.
+  std::uint64_t grace_periods = 0;              ///< Grace periods begun so far, by collecting.
+  std::chrono::nanoseconds longest_collect{0};  ///< Longest call of collect() so far.
+  std::uint64_t refused_collects = 0;  ///< Calls on threads that declared never to reclaim.
+
+  /// The sum of one number over all types.
+  [[nodiscard]] std::uint64_t total(std::uint64_t type_stats::*number) const noexcept {
+    std::uint64_t sum = 0;
+    for (const type_stats& t : types) sum += t.*number;
+    return sum;
+  }
+  /// Bytes of the objects of all types that exist now, without what they allocate themselves.
+  [[nodiscard]] std::uint64_t live_bytes() const noexcept {
+    std::uint64_t sum = 0;
+    for (const type_stats& t : types) sum += t.live_bytes();
+    return sum;
+  }
+};
+
+}  // namespace slamgc
+
 namespace slamgc {
 namespace runtime SLAMGC_SHARED {
 
@@ -1967,6 +2248,10 @@ template <class Env>
 class trial_deletion;
 template <class Env>
 class side_block;
+template <class Env>
+struct described_operations;
+template <class Env>
+class edge_sink;
 
 /// The part of a domain's zero-count table for objects of one type; see zero_count_table.hpp.
 template <class Env>
@@ -1994,6 +2279,7 @@ class table_base {
   // For trial deletion (trial_deletion.hpp), by the collector, of a candidate:
 
   virtual std::uint64_t word_of(const void* object) const noexcept = 0;
+  virtual const described_operations<Env>& operations() const noexcept = 0;
   /// Records each reference to a candidate. False if edges() threw.
   virtual bool walk(void* object, trial_deletion<Env>& trial) noexcept = 0;
   /// Drops all references. False if edges() threw.
@@ -2008,6 +2294,14 @@ class table_base {
   virtual void condemn(void* object) noexcept = 0;
   /// It was a suspect: is none any more.
   virtual void leave(void* object) noexcept = 0;
+
+  // For reports, by whoever excludes collectors:
+
+  /// Reports one object.
+  virtual void report(const void* object, edge_sink<Env>& to) const = 0;
+  /// Reports the objects that have entered and are no candidates; of those that a mutator has not published yet only if
+  /// the mutators' threads @p stand_still.
+  virtual void report_waiting(edge_sink<Env>& to, bool stand_still) const = 0;
 
   domain_state<Env>& domain;
   const void* const type;
@@ -2050,6 +2344,18 @@ class table_base {
   }
   /// Candidates.
   std::uint64_t stuck() const noexcept { return stuck_.load(std::memory_order_relaxed); }  // (12)
+  type_stats stats() const noexcept {
+    type_stats s;
+    s.type = type_name;
+    s.object_size = object_size;
+    s.created = sum(&door::created);
+    s.live = live();
+    s.retired = sum(&door::retired);
+    s.reclaimed = reclaimed();
+    s.stuck = stuck();
+    s.backlog = backlog();
+    return s;
+  }
   /// Objects that wait, if nobody changes it meanwhile; never less than none.
   std::uint64_t backlog() const noexcept {
     const std::uint64_t left = left_.load(std::memory_order_relaxed);  // (12)
@@ -2068,6 +2374,9 @@ class table_base {
   typename door::number reclaimed_{0};
   typename door::number left_{0};
   typename door::number stuck_{0};
+
+ public:
+  type_stats told;  // what hooks know; behind the doors, whose offsets the instructions depend on
 };
 
 }  // namespace SLAMGC_SHARED
@@ -2094,8 +2403,6 @@ class table_base {
 ///
 /// Trial deletion: Christopher 1984; Bacon and Rajan 2001; *The Garbage Collection Handbook*, 5.5. The use of versions in
 /// place of a second, synchronous walk is ours.
-
-#include <new>
 
 // ---- slamgc/detail/candidate.hpp ----
 /// @file
@@ -2188,6 +2495,7 @@ struct candidate {
   bool live;                                  // excluded
   bool suspect;                               // not retired: it is in this round only
   bool purged;                                // a purge has looked for its stale edges
+  std::chrono::nanoseconds since;             // it became one, by the clock of collections
 
   static void* link_to(candidate* c) noexcept {
     return static_cast<char*>(static_cast<void*>(c)) + 1;
@@ -2440,9 +2748,9 @@ class side_block {
   unsigned disturbed_ = 0;
 };
 
-/// Decides on one object, whose word @p sealed looks at.
+/// Decides on one object, whose word @p sealed looks at. Returns whether it dies.
 template <class Env, class Sealed>
-void decide_alone(decision<Env>& by, side_block<Env>& block, Sealed sealed) noexcept {
+bool decide_alone(decision<Env>& by, side_block<Env>& block, Sealed sealed) noexcept {
   by.open();
   block.mark(by);
   bool dies = sealed();
@@ -2454,6 +2762,7 @@ void decide_alone(decision<Env>& by, side_block<Env>& block, Sealed sealed) noex
     block.expire();
   else
     block.unmark();
+  return dies;
 }
 
 }  // namespace SLAMGC_SHARED
@@ -2476,9 +2785,18 @@ class trial_deletion {
   candidate_type* add(void* object, table_base<Env>& table, std::uint64_t word) noexcept {
     candidate_type* const c = all_.add();
     if (c == nullptr) return nullptr;
-    *c = {object, &table, word, edges_.end(), nullptr, 0, 0, 0, 0, true, true, suspecting_, false};
+    *c = {object, &table, word, edges_.end(), nullptr,     0,     0,
+          0,      0,      true, true,         suspecting_, false, now_};
     any_blocks_ = any_blocks_ || table.has_blocks;
     return c;
+  }
+  /// A call of collect() begins: candidates that it finds date from @p now.
+  void begin_call(std::chrono::nanoseconds now) noexcept { now_ = now; }
+  /// Calls f(candidate) for each candidate, while nobody collects.
+  template <class F>
+  void each(F f) const {
+    auto at = all_.begin();
+    while (const candidate_type* const c = at.next()) f(*c);
   }
   /// Steps 1 to 3, before the grace period. False if the limit came first.
   bool find(limit_type& limit) noexcept {
@@ -2500,8 +2818,9 @@ class trial_deletion {
         if (!limit.spend()) return false;
       }
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
-      // stored it yet will have done so after a grace period: so one more round after the last change.
-      const bool worth_it = changed_ || unsettled_;
+      // stored it yet will have done so after a grace period: so one more round after the last change. A round with suspects
+      // comes to its end, even if no root has any: else the suspicion would last.
+      const bool worth_it = changed_ || unsettled_ || suspecting_;
       // After a purge, too: owners of roots join it at their next quiescent state.
       unsettled_ = changed_ || std::exchange(purged_, false);
       start(worth_it ? phase::recording : phase::idle);
@@ -2700,7 +3019,7 @@ class trial_deletion {
         }
         if (!limit.spend()) return false;
       }
-      unsettled_ = unsettled_ || phase_ == phase::unmarking;
+      // What made the decision fail has changed a word: there will be another round.
       phase_ = phase_ == phase::expiring ? phase::expired : phase::idle;
     }
     return true;
@@ -2765,6 +3084,7 @@ class trial_deletion {
   candidate_type* marked_ = nullptr;  // excluded, not walked yet
   bool suspecting_ = false;
   root_list<Env>* roots_ = nullptr;
+  std::chrono::nanoseconds now_{0};
 };
 
 }  // namespace SLAMGC_SHARED
@@ -2802,7 +3122,10 @@ class purge {
       trial.begin_purge([this](candidate<Env>& c) {
         bool ignored = false;
         if (stuck_.add({c.object, &c}, ignored) == nullptr) walk_.fail();
-        walk_.exclude(c.object);
+        if (c.fresh)  // may be garbage: trial deletion comes first
+          walk_.exclude(c.object);
+        else
+          walk_.meet(c.object, c.table->operations());
       });
       roots.visit([this](const root_place<Env>& root) {
         root.operations->purge_by_collector(root.described, *this);
@@ -2818,7 +3141,7 @@ class purge {
     stuck_.each([&](const stuck& s) {
       const candidate<Env>& c = *s.entry;
       const std::uint32_t count = state_word{c.table->word_of(c.object)}.count();
-      explained = explained && (c.fresh || count <= c.inner + c.held);
+      explained = explained && (c.fresh || count <= c.held);
     });
     retry_after_ = explained ? 0 : retry_after_ == 0 ? 1 : 2 * retry_after_;
     retry_in_ = explained ? 0 : retry_after_ + 1;
@@ -2892,6 +3215,12 @@ template <class T>
 struct has_edges<T, std::void_t<decltype(std::declval<T&>().edges(std::declval<edge_probe&>()))>>
     : std::true_type {};
 
+/// Stands for a type that describes none.
+struct no_edges {
+  template <class Visitor>
+  void edges(Visitor&) {}
+};
+
 template <class T>
 class zero_count_table;
 
@@ -2937,7 +3266,8 @@ struct severing_visitor {
 template <class Env>
 class stale_to_collector {
  public:
-  explicit stale_to_collector(runtime::purge<Env>& p) noexcept : purge_(p) {}
+  stale_to_collector(runtime::purge<Env>& p, bool holder_is_stuck) noexcept
+      : purge_(p), holder_is_stuck_(holder_is_stuck) {}
 
   template <class T>
   bool operator()(T* p) const noexcept {
@@ -2952,6 +3282,10 @@ class stale_to_collector {
   bool dropped(bool done) const noexcept {
     if (done) purge_.dropped();
     return done;
+  }
+  /// How many retired objects to step over.
+  std::size_t patience() const noexcept {
+    return holder_is_stuck_ ? 64 : static_cast<std::size_t>(-1);
   }
   /// Whether it is better to look up what is stuck than to walk n elements.
   bool few(std::size_t n) const noexcept { return purge_.stuck_objects() * 8 < n; }
@@ -2969,6 +3303,7 @@ class stale_to_collector {
     return purge_.find(static_cast<const object_of<T>*>(p));
   }
   runtime::purge<Env>& purge_;
+  const bool holder_is_stuck_;
 };
 
 /// What is stale to the owner of a root, who knows nothing of purges: what is retired.
@@ -2980,17 +3315,30 @@ struct stale_to_owner {
   template <class T>
   void hold(T*) const noexcept {}
   bool dropped(bool done) const noexcept { return done; }
+  std::size_t patience() const noexcept { return static_cast<std::size_t>(-1); }
   bool few(std::size_t) const noexcept { return false; }
   template <class T, class F>
   void each(F) const noexcept {}
 };
+
+/// Whether a type says by which number reports call its objects.
+template <class T, class = void>
+struct has_report_id : std::false_type {};
+template <class T>
+struct has_report_id<
+    T, std::void_t<decltype(static_cast<std::uint64_t>(std::declval<const T&>().report_id()))>>
+    : std::true_type {};
+template <class T>
+std::uint64_t report_id_of(const void* object) {
+  return static_cast<std::uint64_t>(static_cast<const T*>(object)->report_id());
+}
 
 template <class Described, class Env>
 struct operations_on {
   static const runtime::described_operations<Env> table;
 
   static bool purge_by_collector(void* described, runtime::purge<Env>& with) {
-    purging_visitor visitor{with};
+    purging_visitor visitor{with, with.find(described) != nullptr};
     return detail::visit_edges(*static_cast<Described*>(described), visitor);
   }
   static bool purge_by_owner(void* described) {
@@ -3028,15 +3376,24 @@ struct operations_on {
     if constexpr (is_described<Described>::value) return &table;
     return nullptr;
   }
+  /// What reports say of an object.
+  static runtime::edge_target<Env> target(const Described& object) noexcept {
+    std::uint64_t (*id)(const void*) = nullptr;
+    if constexpr (has_report_id<Described>::value) id = &report_id_of<Described>;
+    return {const_cast<Described*>(&object), type_name<Described>::get(),
+            transitions<policy_of<Described>>::load(access::header_of(object).state).bits,
+            if_described(), id};
+  }
 
  private:
   struct purging_visitor {
     runtime::purge<Env>& with;
+    const bool is_stuck;
 
     template <class Member, class Disposition = on_retire::hold_edge>
     void edge(const char*, Member& member, const Disposition& how = {}) {
       using ops = edge_member<Member>;
-      stale_to_collector<Env> stale(with);
+      stale_to_collector<Env> stale(with, is_stuck);
       ops::purge(member, how, stale);
       ops::each(member, [this](auto* p) {
         using target = object_of<std::remove_pointer_t<decltype(p)>>;
@@ -3060,11 +3417,8 @@ struct operations_on {
     void edge(const char* name, Member& member, const Disposition& = {}) {
       edge_member<std::remove_const_t<Member>>::each(member, [&](auto* p) {
         using target = object_of<std::remove_pointer_t<decltype(p)>>;
-        const runtime::edge_target<Env> found{
-            const_cast<target*>(static_cast<const target*>(p)), type_name<target>::get(),
-            transitions<policy_of<target>>::load(access::header_of(*p).state).bits,
-            operations_on<target, Env>::if_described()};
-        to.edge(name, on_retire::name_of(static_cast<Disposition*>(nullptr)), found);
+        to.edge(name, on_retire::name_of(static_cast<Disposition*>(nullptr)),
+                operations_on<target, Env>::target(*p));
       });
     }
   };
@@ -3128,66 +3482,49 @@ enum class waited {
 };
 
 }  // namespace slamgc
-// ---- slamgc/stats.hpp ----
+// ---- slamgc/diagnosis/hooks.hpp ----
 /// @file
-/// What a domain can say about itself, as plain numbers.
-
-#include <vector>
+/// What a domain tells a profiler.
 
 namespace slamgc {
 
-/// Numbers of the objects of one type in one domain.
-struct type_stats {
-  const char* type = "";        ///< The type, as the compiler spells it.
-  std::size_t object_size = 0;  ///< Bytes of one object, without what it allocates itself.
-  std::uint64_t created = 0;    ///< Objects made so far.
-  std::uint64_t live = 0;       ///< Objects that exist now.
-  std::uint64_t retired = 0;    ///< Objects declared dead so far; see retire().
-  std::uint64_t reclaimed = 0;  ///< Objects destroyed by collectors so far.
-  std::uint64_t stuck = 0;      ///< Retired objects with described edges that others refer to now.
-  std::uint64_t backlog = 0;    ///< Objects that wait for a collector now.
+/// One call of collect() that was not refused: a slice of a domain's collection.
+struct slice_stats {
+  using time_point = std::chrono::steady_clock::time_point;  ///< When something was.
 
-  /// Bytes of the objects that exist now, without what they allocate themselves.
-  [[nodiscard]] std::uint64_t live_bytes() const noexcept { return live * object_size; }
-  /// Bytes of the objects destroyed by collectors so far, without what they had allocated themselves.
-  [[nodiscard]] std::uint64_t reclaimed_bytes() const noexcept { return reclaimed * object_size; }
+  collected did;                     ///< What the call returns.
+  time_point begin;                  ///< When it began.
+  std::chrono::nanoseconds took{0};  ///< How long it took.
+  std::uint64_t grace_periods = 0;   ///< Grace periods that began in it.
+  delay delayed;                     ///< Whom the domain waits for at its end.
 };
 
-/// Numbers of one registered thread.
-struct mutator_stats {
-  const char* name = "";  ///< The name it registered with.
-  bool online = false;    ///< Whether it may hold borrowed pointers.
-  bool delays = false;    ///< Whether the open grace period waits for it.
-};
+/// What a domain calls while it collects: derive from this, override what is wanted, and install() it.
+///
+/// All functions are called in collect(), on the thread that collects, one at a time for one domain. They must not throw, and
+/// must not collect, count or retire. They may read stats() of the domain.
+///
+/// Without hooks a call of collect() has one branch more. With hooks it sums up the numbers of all types, twice
+/// at most: O(types + mutators), as stats().
+class collector_hooks {
+ public:
+  using time_point = slice_stats::time_point;  ///< When something was.
 
-/// Whom reclamation waits for.
-struct delay {
-  const char* oldest = nullptr;  ///< Who holds the open grace period up, the longest; null: nobody.
-  std::chrono::nanoseconds age{0};  ///< For how long it has held it up.
-  std::uint64_t backlog = 0;        ///< Objects that wait.
-};
+  virtual ~collector_hooks() = default;
 
-/// Numbers of one domain.
-struct domain_stats {
-  std::vector<type_stats> types;                ///< One for each type of which an object was made.
-  std::vector<mutator_stats> mutators;          ///< One for each registered thread.
-  delay delayed;                                ///< Whom reclamation waits for.
-  std::uint64_t grace_periods = 0;              ///< Grace periods begun so far, by collecting.
-  std::chrono::nanoseconds longest_collect{0};  ///< Longest call of collect() so far.
-  std::uint64_t refused_collects = 0;  ///< Calls on threads that declared never to reclaim.
-
-  /// The sum of one number over all types.
-  [[nodiscard]] std::uint64_t total(std::uint64_t type_stats::*number) const noexcept {
-    std::uint64_t sum = 0;
-    for (const type_stats& t : types) sum += t.*number;
-    return sum;
-  }
-  /// Bytes of the objects of all types that exist now, without what they allocate themselves.
-  [[nodiscard]] std::uint64_t live_bytes() const noexcept {
-    std::uint64_t sum = 0;
-    for (const type_stats& t : types) sum += t.live_bytes();
-    return sum;
-  }
+  /// A slice begins.
+  virtual void slice_begins(time_point) noexcept {}
+  /// The grace period with this number, which was open when the slice began, is over. Told before the slice ends; that it is
+  /// over was found at @p when.
+  virtual void grace_period_closed(std::uint64_t /*number*/, time_point /*when*/) noexcept {}
+  /// The slice ends while the grace period with this number is open, since @p when. (Those that begin and end within one slice are
+  /// in its numbers only.)
+  virtual void grace_period_opened(std::uint64_t /*number*/, time_point /*when*/) noexcept {}
+  /// The numbers of one type at the end of the slice, if they are others than at the end of the last one; @p reclaimed objects of
+  /// the type were destroyed since then. The type's name stays valid, at its address.
+  virtual void objects(const type_stats& /*now*/, std::uint64_t /*reclaimed*/) noexcept {}
+  /// The slice ends.
+  virtual void slice_ended(const slice_stats&) noexcept {}
 };
 
 }  // namespace slamgc
@@ -3233,6 +3570,13 @@ class dropped_list {
     } while (!first_.compare_exchange_weak(below, &content, std::memory_order_release,
                                            std::memory_order_relaxed));  // (32)
   }
+  /// What waits, in registries that were cleared. By whoever excludes collectors.
+  std::size_t waiting() const noexcept {
+    std::size_t n = 0;
+    for (const auto* p = taken_; p != nullptr; p = p->next_) ++n;
+    for (auto* p = first_.load(std::memory_order_seq_cst); p != nullptr; p = p->next_) ++n;
+    return n;
+  }
   /// Drops all that was pushed before. By the collector; false if the limit came first.
   bool drop_all(work_limit<Env>& limit) noexcept {
     for (;;) {
@@ -3273,27 +3617,26 @@ class collection {
 
   /// @p thorough: what could be put off is not.
   collected collect(domain& of, const budget& limit, bool thorough = false) noexcept {
-    // (21) acquire: sees what the last collector left behind.
-    if (collecting_.exchange(true, std::memory_order_acquire)) return {outcome::busy, 0};
+    if (!begin_turn()) return {outcome::busy, 0};
     const auto begin = clock::now();
-    for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
-      if (p->domain == &of) p->publish();
-    collected done;
-    {
-      participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
-      const participation<Env> as_collector(me);
-      me.pass_quiescent_state();
-      work_limit<Env> work(limit.objects, limit.time, begin);
-      purge_.begin_call(thorough);
-      done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
-      me.publish();
-    }
+    purge_.begin_call(thorough);
+    trial_.begin_call(begin.time_since_epoch());
+    const collected done =
+        hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);
     const std::int64_t took = std::chrono::nanoseconds(clock::now() - begin).count();
     if (took > longest_.load(std::memory_order_relaxed))  // (12)
       longest_.store(took, std::memory_order_relaxed);    // (12)
-    // (21) release: to the next collector.
-    collecting_.store(false, std::memory_order_release);
+    end_turn();
     return done;
+  }
+  /// Calls f(the collector) while nobody else collects: nothing is destroyed meanwhile but by @p f, which must not throw.
+  /// False: somebody collects.
+  template <class F>
+  bool take_turn(domain& of, F f) noexcept {
+    if (!begin_turn()) return false;
+    as_collector(of, f);
+    end_turn();
+    return true;
   }
   void refuse() noexcept { refused_.fetch_add(1, std::memory_order_relaxed); }  // (12)
 
@@ -3303,9 +3646,18 @@ class collection {
     backlog_context_ = context;
   }
 
+  void install(domain& of, collector_hooks* hooks) noexcept {
+    hooks_ = hooks;
+    for (table* t = of.tables(); t != nullptr; t = t->next) {
+      t->told = t->stats();
+      t->told.object_size = 0;  // of no type: they are told the next time
+    }
+  }
+
   trial_deletion<Env>& trial() noexcept { return trial_; }
   root_list<Env>& roots() noexcept { return roots_; }
   void drop(dropped_base<Env>& content) noexcept { dropped_.push(content); }
+  const dropped_list<Env>& dropped() const noexcept { return dropped_; }
   const purge<Env>& purging() const noexcept { return purge_; }
 
   // ---- reports
@@ -3336,6 +3688,67 @@ class collection {
   using clock = clock_of<Env>;
   using table = table_base<Env>;
   enum class phase { noting, waiting, deciding, purging };
+
+  bool begin_turn() noexcept {
+    // (21) acquire: sees what the last collector left behind.
+    return !collecting_.exchange(true, std::memory_order_acquire);
+  }
+  void end_turn() noexcept {
+    // (21) release: to the next collector.
+    collecting_.store(false, std::memory_order_release);
+  }
+  template <class F>
+  static void as_collector(domain& of, F f) noexcept {
+    for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
+      if (p->domain == &of) p->publish();
+    participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
+    const participation<Env> taking_part(me);
+    me.pass_quiescent_state();
+    f(me);
+  }
+
+  collected slice(domain& of, const budget& limit, typename clock::time_point begin) noexcept {
+    collected done;
+    as_collector(of, [&](participant<Env>& me) {
+      work_limit<Env> work(limit.objects, limit.time, begin);
+      done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
+      me.publish();
+    });
+    return done;
+  }
+
+  /// The same, with hooks.
+  __attribute__((noinline)) collected told_slice(domain& of, const budget& limit,
+                                                 typename clock::time_point begin) noexcept {
+    const std::uint64_t before = grace_periods();
+    const bool was_open = open() != 0;
+    hooks_->slice_begins(begin);
+    slice_stats told;
+    told.did = slice(of, limit, begin);
+    told.begin = begin;
+    told.grace_periods = grace_periods() - before;
+    const bool others = told.grace_periods != 0;
+    if (was_open && (others || open() == 0)) hooks_->grace_period_closed(before, begin);
+    if (others && open() != 0) {
+      const std::chrono::nanoseconds when(opened_.load(std::memory_order_relaxed));  // (12)
+      hooks_->grace_period_opened(grace_periods(), typename clock::time_point(when));
+    }
+    for (table* t = of.tables(); t != nullptr; t = t->next) {
+      const type_stats now = t->stats();
+      if (same_numbers(now, t->told)) continue;
+      hooks_->objects(now, now.reclaimed - t->told.reclaimed);
+      t->told = now;
+    }
+    told.delayed = delayed(of);
+    told.took = clock::now() - begin;
+    hooks_->slice_ended(told);
+    return told.did;
+  }
+  static bool same_numbers(const type_stats& a, const type_stats& b) noexcept {
+    return a.object_size == b.object_size && a.created == b.created && a.live == b.live &&
+           a.retired == b.retired && a.reclaimed == b.reclaimed && a.stuck == b.stuck &&
+           a.backlog == b.backlog;
+  }
 
   outcome run(domain& of, participant<Env>& me, work_limit<Env>& work,
               std::size_t& reclaimed) noexcept {
@@ -3430,6 +3843,7 @@ class collection {
   std::uint64_t backlog_limit_ = 0;
   void (*backlog_hook_)(const delay&, void*) = nullptr;
   void* backlog_context_ = nullptr;
+  collector_hooks* hooks_ = nullptr;
 };
 
 }  // namespace SLAMGC_SHARED
@@ -3637,6 +4051,24 @@ class note_list {
 
   /// A note that take() may return a few calls later, for a prefetch; or one that was taken long ago, or null.
   const Note* soon() const noexcept { return filled_ - taken_ > 8 ? taken_ + 8 : nullptr; }
+
+  /// Calls f(note) for each note, the oldest first.
+  template <class F>
+  void each(F f) const {
+    const link* at = &near_;
+    const Note* note = taken_;
+    const Note* end = filled_;
+    // Where notes are taken from is the first block that there is, near or far.
+    if (in_far_block_) at = near_.next;
+    for (;;) {
+      if (at == last_) end = added_;
+      for (; note != end; ++note) f(*note);
+      if (at == last_) return;
+      at = at->next;
+      note = static_cast<const far_block*>(at)->notes;
+      end = note + far_size;
+    }
+  }
 
   /// Takes the oldest; not of an empty list.
   Note take() noexcept {
@@ -4284,6 +4716,9 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
     } while (!policy::compare_exchange(state, now, now));
     return true;
   }
+  const runtime::described_operations<env>& operations() const noexcept override {
+    return operations_on<std::conditional_t<has_edges<T>::value, T, no_edges>, env>::table;
+  }
   bool walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
     if constexpr (has_edges<T>::value) return operations_on<T, env>::record(object, trial);
     return true;
@@ -4323,6 +4758,25 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
   void leave(void* object) noexcept override {
     base::add(this->stuck_, std::uint64_t{0} - 1);
     leave_table(*static_cast<T*>(object));
+  }
+
+  void report(const void* object, runtime::edge_sink<env>& to) const override {
+    to.waiting(operations_on<T, env>::target(*static_cast<const T*>(object)));
+  }
+  void report_waiting(runtime::edge_sink<env>& to, bool stand_still) const override {
+    const auto report_stack = [&](const void* newest) {
+      for (auto* at = static_cast<const T*>(newest); at != nullptr;) {
+        report(at, to);
+        // Collectors alone take from a stack, and who pushes to it writes only links of its own.
+        at = static_cast<const T*>(access::header_of(*at).link.load(std::memory_order_seq_cst));
+      }
+    };
+    for (const door& d : this->doors_) {
+      report_stack(d.first.load(std::memory_order_seq_cst));
+      if (stand_still) report_stack(d.chain);
+    }
+    report_stack(taken_);
+    notes_.each([&](const entry& e) { report(e.object, to); });
   }
 
   bool decide(runtime::work_limit<env>& limit, std::size_t& reclaimed) noexcept override {
@@ -4398,8 +4852,10 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
   bool has_expired(const entry& e) noexcept {
     auto* const block = this->block_of(e.object);
     if (block == nullptr || block->is_dead()) return true;
-    runtime::decide_alone(this->domain.collection.trial().decision(), *block,
-                          [&] { return seal(e.object, e.noted); });
+    if (!runtime::decide_alone(this->domain.collection.trial().decision(), *block,
+                               [&] { return seal(e.object, e.noted); }) &&
+        state_word{word_of(e.object)}.count() == 0)
+      block->disturbed();
     push(e.object);
     return false;
   }
@@ -4524,20 +4980,8 @@ class basic_domain {
 
   /// The numbers of now. Exact while no thread changes them. Throws std::bad_alloc. O(types + mutators).
   [[nodiscard]] domain_stats stats() const {
-    using door = runtime::table_door<Env>;
     domain_stats all;
-    for (table* t = state_->tables(); t != nullptr; t = t->next) {
-      type_stats s;
-      s.type = t->type_name;
-      s.object_size = t->object_size;
-      s.created = t->sum(&door::created);
-      s.live = t->live();
-      s.retired = t->sum(&door::retired);
-      s.reclaimed = t->reclaimed();
-      s.stuck = t->stuck();
-      s.backlog = t->backlog();
-      all.types.push_back(s);
-    }
+    for (table* t = state_->tables(); t != nullptr; t = t->next) all.types.push_back(t->stats());
     const auto& collection = state_->collection;
     for (auto* r = state_->first_record(); r != nullptr; r = r->next) {
       if (!r->taken.load(std::memory_order_relaxed)) continue;            // (12)
@@ -4564,6 +5008,10 @@ class basic_domain {
                   void* context = nullptr) noexcept {
     state_->collection.on_backlog(limit, hook, context);
   }
+
+  /// Calls @p hooks in collect() from now on; null: nobody. They must outlive the domain, or be replaced before. Not to be called
+  /// while another thread collects.
+  void install(collector_hooks* hooks) noexcept { state_->collection.install(*state_, hooks); }
 
  private:
   using outcome = collected::outcome;
@@ -4716,6 +5164,8 @@ struct deferred : deferred_base {
       SLAMGC_ASSERT(w.count() != 0,
                     (misuse_of(object, "removes a reference that was never counted")));
       if (w.count() == 0 || w.is_saturated()) return;
+      // Not afterwards: it may be gone then.
+      if (w.count() == 1 && watch() != nullptr) watch()->falls_to_zero(object, type_name<T>::get());
       // The fall to zero and `queued` are one change. Between two, a collector could bring the object through
       // the table and free it, and this thread, if it is no mutator, would touch it afterwards.
       const bool enters = w.count() == 1 && !w.is_queued() && (AtZero || w.is_retired());
@@ -4781,10 +5231,17 @@ bool retire(T* p) noexcept {
   using object = detail::object_of<T>;
   if (p == nullptr) return false;
   auto* const target = const_cast<object*>(static_cast<const object*>(p));
+  if (detail::was_reclaimed(target)) {
+    SLAMGC_ASSERT(
+        false, (misuse{"retires an object that was reclaimed", detail::type_name<T>::get(), p, 0}));
+    return false;
+  }
   auto& state = detail::access::header_of(*target).state;
   std::uint64_t now = policy::load(state);
   for (;;) {
     const state_word w{now};
+    SLAMGC_ASSERT(!(w.is_retired() && detail::reports_double_retire()),
+                  (detail::misuse_of(target, "retires an object that was retired before")));
     if (w.is_retired()) return false;
     // With described edges it is a candidate for trial deletion, whoever refers to it.
     const bool enters = !w.is_queued() && (w.count() == 0 || detail::has_edges<object>::value);
@@ -4795,6 +5252,8 @@ bool retire(T* p) noexcept {
     const std::uint64_t then =
         now | state_word::retired_flag | (enters ? state_word::queued_flag : 0);
     if (!policy::compare_exchange(state, now, then)) continue;
+    if (detail::watch() != nullptr)
+      detail::watch()->retired(target, detail::type_name<object>::get());
     if (table == nullptr) return true;
     SLAMGC_ASSERT(detail::may_borrow_from(table->domain),
                   (misuse{"retires an object of another domain than the thread's",
@@ -4813,6 +5272,67 @@ bool retire(T* p) noexcept {
 /// @file
 /// The counted pointer for members: an edge of the graph.
 
+// ---- slamgc/detail/counted_member.hpp ----
+/// @file
+/// What all counted members have in common: in the checked flavour, a watcher of the thread hears of each.
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// Hears where counted members begin and end on one thread: see diagnosis/check_description.hpp.
+class member_watcher {
+ public:
+  virtual void made(const void* member, const char* type) noexcept = 0;
+  virtual void ended(const void* member) noexcept = 0;
+
+  /// The calling thread's, or null.
+  static member_watcher*& current() noexcept { return std_env::thread_record<place>().watcher; }
+
+ protected:
+  ~member_watcher() = default;
+
+ private:
+  struct place {
+    member_watcher* watcher;
+  };
+};
+
+/// Base class of counted members, without any size. @p Name is what reports call its type. In the unchecked flavour there is
+/// nothing to it.
+template <class Name>
+class counted_member {
+#if SLAMGC_DEBUG
+ protected:
+  constexpr counted_member() noexcept {
+    if (__builtin_is_constant_evaluated()) return;  // a static object
+    if (auto* const watcher = member_watcher::current())
+      watcher->made(this, type_name<Name>::get());
+  }
+  ~counted_member() {
+    if (auto* const watcher = member_watcher::current()) watcher->ended(this);
+  }
+  counted_member(const counted_member&) = delete;
+  counted_member& operator=(const counted_member&) = delete;
+#endif
+};
+
+/// Finds that base.
+struct member_access {
+  template <class Name>
+  static const void* address(const counted_member<Name>& member) noexcept {
+    return &member;
+  }
+  template <class Member>
+  static const void* of(const Member& member) noexcept {
+    return address(member);
+  }
+};
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
@@ -4829,7 +5349,7 @@ inline namespace SLAMGC_FLAVOUR {
 /// slot, so the same holds for them. All operations are O(1), apart from a destructor that the last
 /// reference sets off.
 template <class T, class Env>
-class rc_slot {
+class rc_slot : private detail::counted_member<rc_slot<T, Env>> {
   static_assert(!std::is_pointer<T>::value,
                 "slamgc: write rc_slot<KeyFrame>, not rc_slot<KeyFrame*>");
 
@@ -4921,6 +5441,8 @@ class rc_slot {
   }
 
  private:
+  friend struct detail::member_access;
+
   /// Stores @p p, which is counted already; whatever stood here is the caller's.
   T* replace(T* p) noexcept {
     // (10) release: publishes the object and its count to (9) and (10); acquire: the caller may be
@@ -5158,7 +5680,7 @@ inline namespace SLAMGC_FLAVOUR {
 ///
 /// Thread-safety: any thread at any time. All operations are lock-free and O(1).
 template <class T, class Env>
-class atomic_rc {
+class atomic_rc : private detail::counted_member<atomic_rc<T, Env>> {
  public:
   using value_type = intrusive_rc<T>;  ///< What load() returns.
 
@@ -5209,6 +5731,8 @@ class atomic_rc {
   }
 
  private:
+  friend struct detail::member_access;
+
   template <class Exchange>
   static bool compare_exchange(T*& expected, intrusive_rc<T> desired, Exchange exchange) noexcept {
     check_borrower();
@@ -5266,6 +5790,11 @@ class borrow {
                   (misuse{"borrows on a thread that is no online mutator",
                           detail::type_name<T>::get(), p, 0}));
     passed_ = me != nullptr ? me->passed : 0;
+    if (auto* const watch = detail::watch()) {
+      SLAMGC_ASSERT(!watch->holds(p), (misuse{"borrows an object that was reclaimed",
+                                              detail::type_name<T>::get(), p, 0}));
+      place_ = watch->here();
+    }
 #endif
   }
   /// Borrows what @p from, a slot or an element of a container, refers to now.
@@ -5296,9 +5825,10 @@ class borrow {
     const auto* me = runtime::participants<Env>::of_this_thread().innermost;
     while (me != nullptr && !(me->may_borrow() && me->passed == passed_)) me = me->outer;
     SLAMGC_ASSERT(me != nullptr, (misuse{"uses a borrowed pointer after a quiescent state",
-                                         detail::type_name<T>::get(), p_, 0}));
+                                         detail::type_name<T>::get(), p_, 0, place_}));
   }
   std::uint64_t passed_;
+  std::uint32_t place_ = 0;  // in the program, for reports
 #else
   void check() const noexcept {}
 #endif
@@ -5457,7 +5987,7 @@ struct ends_with_pop_back<Std, std::void_t<decltype(std::declval<Std&>().pop_bac
 /// @tparam Iterator  What begin() and the like return: `Std::iterator` where it cannot write a counted
 ///                   pointer, `Std::const_iterator` where it could.
 template <class T, class Std, class Reference, class Iterator = typename Std::iterator>
-class counted_container {
+class counted_container : private counted_member<Std> {
   static_assert(
       !std::is_pointer<T>::value,
       "slamgc: name the object, not the pointer: rc_vector<KeyFrame>, rc_map<KeyFrame, int>");
@@ -5540,7 +6070,9 @@ class counted_container {
   counted_container() = default;
   explicit counted_container(const Std& content) : std_(content) { add_all(); }
   explicit counted_container(Std&& content) noexcept : std_(std::move(content)) { add_all(); }
-  counted_container(const counted_container& other) : std_(other.std_) { add_all(); }
+  counted_container(const counted_container& other) : counted_member<Std>(), std_(other.std_) {
+    add_all();
+  }
   counted_container(counted_container&& other) noexcept
       : std_((other.move_all(), std::move(other.std_))) {
     other.std_.clear();
@@ -5612,6 +6144,7 @@ class counted_container {
   }
 
   friend struct container_access;
+  friend struct member_access;
   Std std_;
 };
 
@@ -6645,7 +7178,7 @@ class rc_vector
 ///   void edges(Visitor& v) {
 ///     {
 ///       const std::lock_guard<std::mutex> lock(mMutexFeatures);
-///       v.edge("mvpMapPoints", mvpMapPoints);
+///       v.edge("mvpMapPoints", mvpMapPoints, slamgc::on_retire::null);
 ///     }
 ///     const std::lock_guard<std::mutex> lock(mMutexConnections);
 ///     v.edge("mpParent", mpParent);
@@ -6655,9 +7188,12 @@ class rc_vector
 ///
 /// One function per type names each counted member once. It takes the program's own locks, since other threads may
 /// change the members meanwhile; it may be called on any thread that collects, at any time while the object exists; it
-/// must not change, count or destroy anything itself, nor throw. Edges do not lead into another domain.
-/// collect() must not be called under a lock that an edges() takes. A member that is left out, or named twice, makes
-/// objects live on that nobody needs; it never makes one die too early.
+/// must not change, count or destroy anything itself. It should not throw: while it does, the object and what it refers to
+/// live on. Edges do not lead into another domain. collect() must not be called under a lock that an edges() takes. A member
+/// that is left out, or named twice, makes objects live on that nobody needs; it never makes one die too early.
+///
+/// The third argument is what becomes of the edge when its target is retired (dispositions.hpp); what is not an object but
+/// holds counted references describes them in the same way (root.hpp).
 
 // ---- slamgc/mutator.hpp ----
 /// @file
@@ -7023,6 +7559,7 @@ class retire_set {
       if (state_word{now}.is_retired()) return false;
     } while (!policy::compare_exchange(state, now,
                                        now | state_word::retired_flag | state_word::queued_flag));
+    if (detail::watch() != nullptr) detail::watch()->retired(object, detail::type_name<T>::get());
     push(object);
     return true;
   }

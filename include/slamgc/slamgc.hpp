@@ -1,6 +1,6 @@
 /// @file
-/// Everything, except mutex_counter.hpp, which exists for comparison, and background_reclaimer.hpp, which a
-/// program includes in one place: `<mutex>` is large.
+/// Everything, except mutex_counter.hpp, which exists for comparison, and what a program includes in one place, since
+/// `<mutex>` is large: background_reclaimer.hpp, diagnosis/quarantine.hpp, integrations/.
 #pragma once
 
 #include "anchor.hpp"
@@ -15,6 +15,7 @@
 #include "containers/rc_vector.hpp"
 #include "counter.hpp"
 #include "deferred.hpp"
+#include "diagnosis/hooks.hpp"
 #include "dispositions.hpp"
 #include "domain.hpp"
 #include "edges.hpp"

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "../budget.hpp"
+#include "../diagnosis/hooks.hpp"
 #include "../env.hpp"
 #include "../fwd.hpp"
 #include "../stats.hpp"
@@ -35,27 +36,26 @@ class collection {
 
   /// @p thorough: what could be put off is not.
   collected collect(domain& of, const budget& limit, bool thorough = false) noexcept {
-    // (21) acquire: sees what the last collector left behind.
-    if (collecting_.exchange(true, std::memory_order_acquire)) return {outcome::busy, 0};
+    if (!begin_turn()) return {outcome::busy, 0};
     const auto begin = clock::now();
-    for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
-      if (p->domain == &of) p->publish();
-    collected done;
-    {
-      participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
-      const participation<Env> as_collector(me);
-      me.pass_quiescent_state();
-      work_limit<Env> work(limit.objects, limit.time, begin);
-      purge_.begin_call(thorough);
-      done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
-      me.publish();
-    }
+    purge_.begin_call(thorough);
+    trial_.begin_call(begin.time_since_epoch());
+    const collected done =
+        hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);
     const std::int64_t took = std::chrono::nanoseconds(clock::now() - begin).count();
     if (took > longest_.load(std::memory_order_relaxed))  // (12)
       longest_.store(took, std::memory_order_relaxed);    // (12)
-    // (21) release: to the next collector.
-    collecting_.store(false, std::memory_order_release);
+    end_turn();
     return done;
+  }
+  /// Calls f(the collector) while nobody else collects: nothing is destroyed meanwhile but by @p f, which must not throw.
+  /// False: somebody collects.
+  template <class F>
+  bool take_turn(domain& of, F f) noexcept {
+    if (!begin_turn()) return false;
+    as_collector(of, f);
+    end_turn();
+    return true;
   }
   void refuse() noexcept { refused_.fetch_add(1, std::memory_order_relaxed); }  // (12)
 
@@ -65,9 +65,18 @@ class collection {
     backlog_context_ = context;
   }
 
+  void install(domain& of, collector_hooks* hooks) noexcept {
+    hooks_ = hooks;
+    for (table* t = of.tables(); t != nullptr; t = t->next) {
+      t->told = t->stats();
+      t->told.object_size = 0;  // of no type: they are told the next time
+    }
+  }
+
   trial_deletion<Env>& trial() noexcept { return trial_; }
   root_list<Env>& roots() noexcept { return roots_; }
   void drop(dropped_base<Env>& content) noexcept { dropped_.push(content); }
+  const dropped_list<Env>& dropped() const noexcept { return dropped_; }
   const purge<Env>& purging() const noexcept { return purge_; }
 
   // ---- reports
@@ -98,6 +107,67 @@ class collection {
   using clock = clock_of<Env>;
   using table = table_base<Env>;
   enum class phase { noting, waiting, deciding, purging };
+
+  bool begin_turn() noexcept {
+    // (21) acquire: sees what the last collector left behind.
+    return !collecting_.exchange(true, std::memory_order_acquire);
+  }
+  void end_turn() noexcept {
+    // (21) release: to the next collector.
+    collecting_.store(false, std::memory_order_release);
+  }
+  template <class F>
+  static void as_collector(domain& of, F f) noexcept {
+    for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
+      if (p->domain == &of) p->publish();
+    participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
+    const participation<Env> taking_part(me);
+    me.pass_quiescent_state();
+    f(me);
+  }
+
+  collected slice(domain& of, const budget& limit, typename clock::time_point begin) noexcept {
+    collected done;
+    as_collector(of, [&](participant<Env>& me) {
+      work_limit<Env> work(limit.objects, limit.time, begin);
+      done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
+      me.publish();
+    });
+    return done;
+  }
+
+  /// The same, with hooks.
+  __attribute__((noinline)) collected told_slice(domain& of, const budget& limit,
+                                                 typename clock::time_point begin) noexcept {
+    const std::uint64_t before = grace_periods();
+    const bool was_open = open() != 0;
+    hooks_->slice_begins(begin);
+    slice_stats told;
+    told.did = slice(of, limit, begin);
+    told.begin = begin;
+    told.grace_periods = grace_periods() - before;
+    const bool others = told.grace_periods != 0;
+    if (was_open && (others || open() == 0)) hooks_->grace_period_closed(before, begin);
+    if (others && open() != 0) {
+      const std::chrono::nanoseconds when(opened_.load(std::memory_order_relaxed));  // (12)
+      hooks_->grace_period_opened(grace_periods(), typename clock::time_point(when));
+    }
+    for (table* t = of.tables(); t != nullptr; t = t->next) {
+      const type_stats now = t->stats();
+      if (same_numbers(now, t->told)) continue;
+      hooks_->objects(now, now.reclaimed - t->told.reclaimed);
+      t->told = now;
+    }
+    told.delayed = delayed(of);
+    told.took = clock::now() - begin;
+    hooks_->slice_ended(told);
+    return told.did;
+  }
+  static bool same_numbers(const type_stats& a, const type_stats& b) noexcept {
+    return a.object_size == b.object_size && a.created == b.created && a.live == b.live &&
+           a.retired == b.retired && a.reclaimed == b.reclaimed && a.stuck == b.stuck &&
+           a.backlog == b.backlog;
+  }
 
   outcome run(domain& of, participant<Env>& me, work_limit<Env>& work,
               std::size_t& reclaimed) noexcept {
@@ -192,6 +262,7 @@ class collection {
   std::uint64_t backlog_limit_ = 0;
   void (*backlog_hook_)(const delay&, void*) = nullptr;
   void* backlog_context_ = nullptr;
+  collector_hooks* hooks_ = nullptr;
 };
 
 }  // namespace SLAMGC_SHARED

@@ -148,9 +148,9 @@ class side_block {
   unsigned disturbed_ = 0;
 };
 
-/// Decides on one object, whose word @p sealed looks at.
+/// Decides on one object, whose word @p sealed looks at. Returns whether it dies.
 template <class Env, class Sealed>
-void decide_alone(decision<Env>& by, side_block<Env>& block, Sealed sealed) noexcept {
+bool decide_alone(decision<Env>& by, side_block<Env>& block, Sealed sealed) noexcept {
   by.open();
   block.mark(by);
   bool dies = sealed();
@@ -162,6 +162,7 @@ void decide_alone(decision<Env>& by, side_block<Env>& block, Sealed sealed) noex
     block.expire();
   else
     block.unmark();
+  return dies;
 }
 
 }  // namespace SLAMGC_SHARED

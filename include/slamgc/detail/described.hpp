@@ -27,6 +27,12 @@ template <class T>
 struct has_edges<T, std::void_t<decltype(std::declval<T&>().edges(std::declval<edge_probe&>()))>>
     : std::true_type {};
 
+/// Stands for a type that describes none.
+struct no_edges {
+  template <class Visitor>
+  void edges(Visitor&) {}
+};
+
 template <class T>
 class zero_count_table;
 
@@ -72,7 +78,8 @@ struct severing_visitor {
 template <class Env>
 class stale_to_collector {
  public:
-  explicit stale_to_collector(runtime::purge<Env>& p) noexcept : purge_(p) {}
+  stale_to_collector(runtime::purge<Env>& p, bool holder_is_stuck) noexcept
+      : purge_(p), holder_is_stuck_(holder_is_stuck) {}
 
   template <class T>
   bool operator()(T* p) const noexcept {
@@ -87,6 +94,10 @@ class stale_to_collector {
   bool dropped(bool done) const noexcept {
     if (done) purge_.dropped();
     return done;
+  }
+  /// How many retired objects to step over.
+  std::size_t patience() const noexcept {
+    return holder_is_stuck_ ? 64 : static_cast<std::size_t>(-1);
   }
   /// Whether it is better to look up what is stuck than to walk n elements.
   bool few(std::size_t n) const noexcept { return purge_.stuck_objects() * 8 < n; }
@@ -104,6 +115,7 @@ class stale_to_collector {
     return purge_.find(static_cast<const object_of<T>*>(p));
   }
   runtime::purge<Env>& purge_;
+  const bool holder_is_stuck_;
 };
 
 /// What is stale to the owner of a root, who knows nothing of purges: what is retired.
@@ -115,17 +127,30 @@ struct stale_to_owner {
   template <class T>
   void hold(T*) const noexcept {}
   bool dropped(bool done) const noexcept { return done; }
+  std::size_t patience() const noexcept { return static_cast<std::size_t>(-1); }
   bool few(std::size_t) const noexcept { return false; }
   template <class T, class F>
   void each(F) const noexcept {}
 };
+
+/// Whether a type says by which number reports call its objects.
+template <class T, class = void>
+struct has_report_id : std::false_type {};
+template <class T>
+struct has_report_id<
+    T, std::void_t<decltype(static_cast<std::uint64_t>(std::declval<const T&>().report_id()))>>
+    : std::true_type {};
+template <class T>
+std::uint64_t report_id_of(const void* object) {
+  return static_cast<std::uint64_t>(static_cast<const T*>(object)->report_id());
+}
 
 template <class Described, class Env>
 struct operations_on {
   static const runtime::described_operations<Env> table;
 
   static bool purge_by_collector(void* described, runtime::purge<Env>& with) {
-    purging_visitor visitor{with};
+    purging_visitor visitor{with, with.find(described) != nullptr};
     return detail::visit_edges(*static_cast<Described*>(described), visitor);
   }
   static bool purge_by_owner(void* described) {
@@ -163,15 +188,24 @@ struct operations_on {
     if constexpr (is_described<Described>::value) return &table;
     return nullptr;
   }
+  /// What reports say of an object.
+  static runtime::edge_target<Env> target(const Described& object) noexcept {
+    std::uint64_t (*id)(const void*) = nullptr;
+    if constexpr (has_report_id<Described>::value) id = &report_id_of<Described>;
+    return {const_cast<Described*>(&object), type_name<Described>::get(),
+            transitions<policy_of<Described>>::load(access::header_of(object).state).bits,
+            if_described(), id};
+  }
 
  private:
   struct purging_visitor {
     runtime::purge<Env>& with;
+    const bool is_stuck;
 
     template <class Member, class Disposition = on_retire::hold_edge>
     void edge(const char*, Member& member, const Disposition& how = {}) {
       using ops = edge_member<Member>;
-      stale_to_collector<Env> stale(with);
+      stale_to_collector<Env> stale(with, is_stuck);
       ops::purge(member, how, stale);
       ops::each(member, [this](auto* p) {
         using target = object_of<std::remove_pointer_t<decltype(p)>>;
@@ -195,11 +229,8 @@ struct operations_on {
     void edge(const char* name, Member& member, const Disposition& = {}) {
       edge_member<std::remove_const_t<Member>>::each(member, [&](auto* p) {
         using target = object_of<std::remove_pointer_t<decltype(p)>>;
-        const runtime::edge_target<Env> found{
-            const_cast<target*>(static_cast<const target*>(p)), type_name<target>::get(),
-            transitions<policy_of<target>>::load(access::header_of(*p).state).bits,
-            operations_on<target, Env>::if_described()};
-        to.edge(name, on_retire::name_of(static_cast<Disposition*>(nullptr)), found);
+        to.edge(name, on_retire::name_of(static_cast<Disposition*>(nullptr)),
+                operations_on<target, Env>::target(*p));
       });
     }
   };

@@ -63,7 +63,8 @@ class companion_cursor {
   std::size_t seen_ = 0;
 };
 
-/// What bypass puts in the place of @p p. Chains of retired objects may be circles.
+/// What bypass puts in the place of @p p. Chains of retired objects may be circles; in a retired object that is itself part of a
+/// long one, what comes after so many steps is nothing: else a map that died but for one object would take quadratic time.
 template <class T, class Next, class Stale>
 T* bypassed(T* p, const Next& next, Stale& stale) {
   T* mark = p;
@@ -71,7 +72,7 @@ T* bypassed(T* p, const Next& next, Stale& stale) {
   std::size_t next_mark = 1;
   do {
     p = next(*p);
-    if (p == mark) return nullptr;
+    if (p == mark || steps == stale.patience()) return nullptr;
     if (++steps == next_mark) {  // Brent 1980: the mark moves at powers of two
       mark = p;
       next_mark *= 2;
@@ -162,6 +163,7 @@ struct edge_sequence : edge_container<Container> {
   template <class... Companions, class Stale>
   static void purge(Container& member, const on_retire::erase_edge_with<Companions...>& how,
                     Stale& stale) {
+    if (member.empty()) return;  // some clear the sequence and forget its companions
     const bool in_step = std::apply(
         [&](auto&... c) { return (... && (c.size() == member.size())); }, how.companions);
     SLAMGC_ASSERT(in_step, (misuse{"describes a companion of another length than its sequence",

@@ -11,7 +11,9 @@
 /// all references to it, and those that are left are held or not described. That is true unless an edge moved past the walk:
 /// so if the references that a purge has seen do not add up to the count, it is due again after 1, 2, 4, ... calls.
 ///
-/// **Where edges of retired objects are concerned**: they stay as they are until the object is reclaimed.
+/// **Edges of stuck objects** are purged, too. Else a retired keyframe that one member of a thread holds would keep the next one
+/// that is retired, and that one the next: one old reference, and nothing would be reclaimed any more. What the program needs
+/// of a retired object that it still uses, such as the parent that its pose is relative to, is for its edges() to hold.
 ///
 /// **Why it is safe**: a purge drops references as the program could at any time. It holds no lock of the library, and
 /// destroys nothing. Between its begin and its end no object is destroyed at all.
@@ -62,7 +64,10 @@ class purge {
       trial.begin_purge([this](candidate<Env>& c) {
         bool ignored = false;
         if (stuck_.add({c.object, &c}, ignored) == nullptr) walk_.fail();
-        walk_.exclude(c.object);
+        if (c.fresh)  // may be garbage: trial deletion comes first
+          walk_.exclude(c.object);
+        else
+          walk_.meet(c.object, c.table->operations());
       });
       roots.visit([this](const root_place<Env>& root) {
         root.operations->purge_by_collector(root.described, *this);
@@ -78,7 +83,7 @@ class purge {
     stuck_.each([&](const stuck& s) {
       const candidate<Env>& c = *s.entry;
       const std::uint32_t count = state_word{c.table->word_of(c.object)}.count();
-      explained = explained && (c.fresh || count <= c.inner + c.held);
+      explained = explained && (c.fresh || count <= c.held);
     });
     retry_after_ = explained ? 0 : retry_after_ == 0 ? 1 : 2 * retry_after_;
     retry_in_ = explained ? 0 : retry_after_ + 1;

@@ -8,6 +8,7 @@
 
 #include "../env.hpp"
 #include "../fwd.hpp"
+#include "../stats.hpp"
 #include "clock.hpp"
 #include "participant.hpp"
 
@@ -115,6 +116,10 @@ template <class Env>
 class trial_deletion;
 template <class Env>
 class side_block;
+template <class Env>
+struct described_operations;
+template <class Env>
+class edge_sink;
 
 /// The part of a domain's zero-count table for objects of one type; see zero_count_table.hpp.
 template <class Env>
@@ -142,6 +147,7 @@ class table_base {
   // For trial deletion (trial_deletion.hpp), by the collector, of a candidate:
 
   virtual std::uint64_t word_of(const void* object) const noexcept = 0;
+  virtual const described_operations<Env>& operations() const noexcept = 0;
   /// Records each reference to a candidate. False if edges() threw.
   virtual bool walk(void* object, trial_deletion<Env>& trial) noexcept = 0;
   /// Drops all references. False if edges() threw.
@@ -156,6 +162,14 @@ class table_base {
   virtual void condemn(void* object) noexcept = 0;
   /// It was a suspect: is none any more.
   virtual void leave(void* object) noexcept = 0;
+
+  // For reports, by whoever excludes collectors:
+
+  /// Reports one object.
+  virtual void report(const void* object, edge_sink<Env>& to) const = 0;
+  /// Reports the objects that have entered and are no candidates; of those that a mutator has not published yet only if
+  /// the mutators' threads @p stand_still.
+  virtual void report_waiting(edge_sink<Env>& to, bool stand_still) const = 0;
 
   domain_state<Env>& domain;
   const void* const type;
@@ -198,6 +212,18 @@ class table_base {
   }
   /// Candidates.
   std::uint64_t stuck() const noexcept { return stuck_.load(std::memory_order_relaxed); }  // (12)
+  type_stats stats() const noexcept {
+    type_stats s;
+    s.type = type_name;
+    s.object_size = object_size;
+    s.created = sum(&door::created);
+    s.live = live();
+    s.retired = sum(&door::retired);
+    s.reclaimed = reclaimed();
+    s.stuck = stuck();
+    s.backlog = backlog();
+    return s;
+  }
   /// Objects that wait, if nobody changes it meanwhile; never less than none.
   std::uint64_t backlog() const noexcept {
     const std::uint64_t left = left_.load(std::memory_order_relaxed);  // (12)
@@ -216,6 +242,9 @@ class table_base {
   typename door::number reclaimed_{0};
   typename door::number left_{0};
   typename door::number stuck_{0};
+
+ public:
+  type_stats told;  // what hooks know; behind the doors, whose offsets the instructions depend on
 };
 
 }  // namespace SLAMGC_SHARED

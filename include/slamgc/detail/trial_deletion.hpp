@@ -21,6 +21,7 @@
 /// place of a second, synchronous walk is ours.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -51,9 +52,18 @@ class trial_deletion {
   candidate_type* add(void* object, table_base<Env>& table, std::uint64_t word) noexcept {
     candidate_type* const c = all_.add();
     if (c == nullptr) return nullptr;
-    *c = {object, &table, word, edges_.end(), nullptr, 0, 0, 0, 0, true, true, suspecting_, false};
+    *c = {object, &table, word, edges_.end(), nullptr,     0,     0,
+          0,      0,      true, true,         suspecting_, false, now_};
     any_blocks_ = any_blocks_ || table.has_blocks;
     return c;
+  }
+  /// A call of collect() begins: candidates that it finds date from @p now.
+  void begin_call(std::chrono::nanoseconds now) noexcept { now_ = now; }
+  /// Calls f(candidate) for each candidate, while nobody collects.
+  template <class F>
+  void each(F f) const {
+    auto at = all_.begin();
+    while (const candidate_type* const c = at.next()) f(*c);
   }
   /// Steps 1 to 3, before the grace period. False if the limit came first.
   bool find(limit_type& limit) noexcept {
@@ -75,8 +85,9 @@ class trial_deletion {
         if (!limit.spend()) return false;
       }
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
-      // stored it yet will have done so after a grace period: so one more round after the last change.
-      const bool worth_it = changed_ || unsettled_;
+      // stored it yet will have done so after a grace period: so one more round after the last change. A round with suspects
+      // comes to its end, even if no root has any: else the suspicion would last.
+      const bool worth_it = changed_ || unsettled_ || suspecting_;
       // After a purge, too: owners of roots join it at their next quiescent state.
       unsettled_ = changed_ || std::exchange(purged_, false);
       start(worth_it ? phase::recording : phase::idle);
@@ -275,7 +286,7 @@ class trial_deletion {
         }
         if (!limit.spend()) return false;
       }
-      unsettled_ = unsettled_ || phase_ == phase::unmarking;
+      // What made the decision fail has changed a word: there will be another round.
       phase_ = phase_ == phase::expiring ? phase::expired : phase::idle;
     }
     return true;
@@ -340,6 +351,7 @@ class trial_deletion {
   candidate_type* marked_ = nullptr;  // excluded, not walked yet
   bool suspecting_ = false;
   root_list<Env>* roots_ = nullptr;
+  std::chrono::nanoseconds now_{0};
 };
 
 }  // namespace SLAMGC_SHARED

@@ -139,6 +139,9 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
     } while (!policy::compare_exchange(state, now, now));
     return true;
   }
+  const runtime::described_operations<env>& operations() const noexcept override {
+    return operations_on<std::conditional_t<has_edges<T>::value, T, no_edges>, env>::table;
+  }
   bool walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
     if constexpr (has_edges<T>::value) return operations_on<T, env>::record(object, trial);
     return true;
@@ -178,6 +181,25 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
   void leave(void* object) noexcept override {
     base::add(this->stuck_, std::uint64_t{0} - 1);
     leave_table(*static_cast<T*>(object));
+  }
+
+  void report(const void* object, runtime::edge_sink<env>& to) const override {
+    to.waiting(operations_on<T, env>::target(*static_cast<const T*>(object)));
+  }
+  void report_waiting(runtime::edge_sink<env>& to, bool stand_still) const override {
+    const auto report_stack = [&](const void* newest) {
+      for (auto* at = static_cast<const T*>(newest); at != nullptr;) {
+        report(at, to);
+        // Collectors alone take from a stack, and who pushes to it writes only links of its own.
+        at = static_cast<const T*>(access::header_of(*at).link.load(std::memory_order_seq_cst));
+      }
+    };
+    for (const door& d : this->doors_) {
+      report_stack(d.first.load(std::memory_order_seq_cst));
+      if (stand_still) report_stack(d.chain);
+    }
+    report_stack(taken_);
+    notes_.each([&](const entry& e) { report(e.object, to); });
   }
 
   bool decide(runtime::work_limit<env>& limit, std::size_t& reclaimed) noexcept override {
@@ -253,8 +275,10 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
   bool has_expired(const entry& e) noexcept {
     auto* const block = this->block_of(e.object);
     if (block == nullptr || block->is_dead()) return true;
-    runtime::decide_alone(this->domain.collection.trial().decision(), *block,
-                          [&] { return seal(e.object, e.noted); });
+    if (!runtime::decide_alone(this->domain.collection.trial().decision(), *block,
+                               [&] { return seal(e.object, e.noted); }) &&
+        state_word{word_of(e.object)}.count() == 0)
+      block->disturbed();
     push(e.object);
     return false;
   }
