@@ -134,7 +134,7 @@ inline namespace SLAMGC_FLAVOUR {
 /// Takes the graph of a domain. O(objects + edges) time, and memory: some 250 bytes for each object, 40 for each edge.
 ///
 /// By any thread, online or not, without a lock that an edges() takes. Destroys nothing, and changes nothing.
-/// Throws std::bad_alloc, where result does not say it.
+/// Does not throw: without memory it is a part, and says so.
 template <class Env>
 [[nodiscard]] heap_graph capture(basic_domain<Env>& of, const walk_options& options = {}) {
   return detail::heap_capture<Env>::take(detail::domain_access::state_of(of), options, nullptr);
