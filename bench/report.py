@@ -1,4 +1,4 @@
-"""What the reports have in common: report_counting.py and report_deferred.py."""
+"""What the reports have in common: report_counting.py, report_deferred.py and report_graph.py."""
 
 import argparse
 import json

@@ -26,29 +26,31 @@
 
 // ---- slamgc/slamgc.hpp ----
 /// @file
-/// Everything, except mutex_counter.hpp, which exists for comparison, and background_reclaimer.hpp, which a
-/// program includes in one place: `<mutex>` is large.
+/// Everything, except mutex_counter.hpp, which exists for comparison, and what a program includes in one place, since
+/// `<mutex>` is large: background_reclaimer.hpp, diagnosis/quarantine.hpp, integrations/.
 
-// ---- slamgc/atomic_rc.hpp ----
+// ---- slamgc/anchor.hpp ----
 /// @file
-/// A counted member that hands out references of the reader's own.
+/// Handles that keep a small record of their object when it is gone.
 
+#include <cstddef>
+#include <optional>
 #include <type_traits>
 #include <utility>
-
-// ---- slamgc/deferred.hpp ----
-/// @file
-/// The reclaimers that wait: an object is destroyed when nobody can see it any more.
-
-#include <cstdint>
 
 // ---- slamgc/assert.hpp ----
 /// @file
 /// What slamgc does when it is misused: a replaceable assertion that names the object.
 
-#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+
+// ---- slamgc/detail/object_watch.hpp ----
+/// @file
+/// Where a tool that watches objects is told of them; diagnosis/quarantine.hpp is one.
+///
+/// In the checked flavour only: there it is one branch for each object that is retired, falls to zero or is destroyed.
 
 // ---- slamgc/flavour.hpp ----
 /// @file
@@ -81,20 +83,98 @@
 #define SLAMGC_SHARED __attribute__((visibility("default")))
 
 namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+/// The memory of an object whose destructor has run.
+struct held_memory {
+  static constexpr unsigned char pattern = 0xdd;  // of all bytes but the header's
+
+  void* begin;
+  std::size_t size;
+  const char* type;
+  void* header;  // a new one: who counts a reference to the object is found out by it
+  std::size_t header_size;
+  bool (*header_is_new)(const void* header) noexcept;
+  void (*free)(const held_memory&) noexcept;  // what `delete` does after the destructor
+};
+
+class object_watch {
+ public:
+  using place = std::uint32_t;  // in the program, by its stack; 0: not known
+
+  /// The calling thread is about to drop the last reference to the object.
+  virtual void falls_to_zero(const void* object, const char* type) noexcept = 0;
+  virtual void retired(const void* object, const char* type) noexcept = 0;
+  /// Whether to report that it was retired before.
+  virtual bool reports_double_retire() const noexcept = 0;
+  /// Memory to free, now or later.
+  virtual void hold(const held_memory& memory) noexcept = 0;
+  /// The object is destroyed as usual.
+  virtual void let_go(const void* object) noexcept = 0;
+  /// Whether @p p points into memory that is held.
+  virtual bool holds(const void* p) noexcept = 0;
+  virtual place here() noexcept = 0;
+  /// Prints what is known of the object at @p p, to the standard error stream.
+  virtual void print(const void* p, place borrowed) noexcept = 0;
+
+ protected:
+  ~object_watch() = default;
+};
+
+/// Changed only while no other thread uses objects.
+inline object_watch* watch = nullptr;
+
+}  // namespace SLAMGC_SHARED
+
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// Null, as the compiler knows, in the unchecked flavour. (Were it constexpr, g++ would warn of calls that are never made.)
+inline runtime::object_watch* watch() noexcept {
+#if SLAMGC_DEBUG
+  return runtime::watch;
+#else
+  return nullptr;
+#endif
+}
+
+/// Whether the object at @p p was reclaimed and somebody found out in time.
+inline bool was_reclaimed(const void* p) noexcept {
+  return watch() != nullptr && watch()->holds(p);
+}
+
+/// Whether a second retirement is to be reported.
+inline bool reports_double_retire() noexcept {
+  return watch() != nullptr && watch()->reports_double_retire();
+}
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
 /// What a failed check knows about the object that was misused.
 struct misuse {
-  const char* what;     ///< What the program did, as a phrase.
-  const char* type;     ///< The object's type, as the compiler spells it.
-  const void* object;   ///< The object's address.
-  std::uint32_t count;  ///< The reference count that was found.
+  const char* what;         ///< What the program did, as a phrase.
+  const char* type;         ///< The object's type, as the compiler spells it.
+  const void* object;       ///< The object's address.
+  std::uint32_t count;      ///< The reference count that was found.
+  std::uint32_t place = 0;  ///< For print_places(): where the pointer was borrowed.
 };
+
+/// Prints where *@p m happened, and where its object came to its end, to the standard error stream, if a quarantine is at
+/// work (diagnosis/quarantine.hpp); else nothing. For a `SLAMGC_ASSERT` of the program's own.
+inline void print_places(const misuse& m) noexcept {
+  if (auto* const watch = detail::watch()) watch->print(m.object, m.place);
+}
 
 /// Prints @p m to the standard error stream and aborts. The default of `SLAMGC_ASSERT`.
 [[noreturn]] inline void abort_on(const misuse& m) noexcept {
   std::fprintf(stderr, "slamgc: %s: object %p of type %s, count %lu\n", m.what, m.object, m.type,
                static_cast<unsigned long>(m.count));
+  print_places(m);
   std::abort();
 }
 
@@ -154,6 +234,10 @@ class type_name {
 #define SLAMGC_ASSERT(condition, found) ((void)0)
 #endif
 #endif
+// ---- slamgc/deferred.hpp ----
+/// @file
+/// The reclaimers that wait: an object is destroyed when nobody can see it any more.
+
 // ---- slamgc/detail/zero_count_table.hpp ----
 /// @file
 /// The zero-count table: objects that wait until nobody can see them any more.
@@ -272,6 +356,14 @@ template <class T, class Env = std_env>
 class atomic_rc;
 template <class T, class Env = std_env>
 class borrow;
+template <class T, class Env = std_env>
+class enable_weak_rc;
+template <class T, class Env = std_env>
+class weak_rc;
+template <class T, class Record, class Env = std_env>
+class enable_anchor;
+template <class T, class Record, class Env = std_env>
+class anchor;
 template <class Container>
 class scoped_count;
 
@@ -567,6 +659,14 @@ struct transitions {
     if (__builtin_expect(before.is_saturated(), false)) saturate(s);
   }
 
+  /// As increment, for who then looks at something that a collector changes before it changes the word: an addition, but
+  /// by subtract, since that acquires.
+  static void increment_before_look(storage& s) noexcept {
+    constexpr std::uint64_t one = state_word::version_unit + state_word::count_unit;
+    const state_word before{Policy::subtract(s, std::uint64_t{0} - one)};
+    if (before.is_saturated()) saturate(s);
+  }
+
   /// A reference changes its place: the count stays, the version does not. An addition, but by
   /// subtract, since that releases: who finds the new version must find the old place empty.
   static void move(storage& s) noexcept {
@@ -756,6 +856,127 @@ void drop_reference(T* p) noexcept {
 }  // namespace detail
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
+// ---- slamgc/detail/hold_back.hpp ----
+/// @file
+/// Destroying an object without freeing its memory.
+///
+/// `delete` is taken apart: the destructor here, the deallocation function that `delete` would have called later. Which one that
+/// is depends on the most derived type. It is known for a type without a virtual destructor; for one that has it, only if the
+/// object is exactly that type, by run-time type information. Else, and for a class with a destroying `operator delete` or with one
+/// that is not accessible together with its destructor, objects are deleted as usual.
+
+#include <cstring>
+#include <new>
+#if defined(__cpp_rtti)
+#include <typeinfo>
+#endif
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// Whether T has a member `operator delete` with these parameters.
+template <class T, class Parameters, class = void>
+struct has_delete : std::false_type {};
+template <class T, class... P>
+struct has_delete<T, void(P...),
+                  std::void_t<decltype(static_cast<void (*)(P...)>(&T::operator delete))>>
+    : std::true_type {};
+
+#if defined(__cpp_lib_destroying_delete)
+template <class T>
+struct has_destroying_delete
+    : std::bool_constant<
+          has_delete<T, void(T*, std::destroying_delete_t)>::value ||
+          has_delete<T, void(T*, std::destroying_delete_t, std::size_t)>::value ||
+          has_delete<T, void(T*, std::destroying_delete_t, std::align_val_t)>::value ||
+          has_delete<T, void(T*, std::destroying_delete_t, std::size_t, std::align_val_t)>::value> {
+};
+#else
+template <class T>
+struct has_destroying_delete : std::false_type {};
+#endif
+
+/// The deallocation function of `delete static_cast<T*>(p)`: [expr.delete] in the C++ standard.
+template <class T>
+void deallocate(void* p) noexcept {
+  constexpr bool over_aligned = alignof(T) > __STDCPP_DEFAULT_NEW_ALIGNMENT__;
+  constexpr std::align_val_t alignment{alignof(T)};
+  constexpr bool plain = has_delete<T, void(void*)>::value;
+  constexpr bool sized = has_delete<T, void(void*, std::size_t)>::value;
+  constexpr bool aligned = has_delete<T, void(void*, std::align_val_t)>::value;
+  constexpr bool both = has_delete<T, void(void*, std::size_t, std::align_val_t)>::value;
+  // A member before a global one; one that takes the alignment if that matters, else one that does not; then the one
+  // without a size.
+  if constexpr (aligned && (over_aligned || !(plain || sized))) {
+    T::operator delete(p, alignment);
+  } else if constexpr (both && (over_aligned || !(plain || sized))) {
+    T::operator delete(p, sizeof(T), alignment);
+  } else if constexpr (plain) {
+    T::operator delete(p);
+  } else if constexpr (sized) {
+    T::operator delete(p, sizeof(T));
+  } else if constexpr (over_aligned) {
+    ::operator delete(p, alignment);
+  } else {
+#if defined(__cpp_sized_deallocation)
+    ::operator delete(p, sizeof(T));
+#else
+    ::operator delete(p);
+#endif
+  }
+}
+
+/// Whether *object is a T and nothing derived from it, as far as that can be known.
+template <class T>
+bool is_exactly([[maybe_unused]] const T& object) noexcept {
+  if constexpr (std::is_final<T>::value || !std::has_virtual_destructor<T>::value) {
+    return true;
+  } else {
+#if defined(__cpp_rtti)
+    return typeid(object) == typeid(T);
+#else
+    return false;
+#endif
+  }
+}
+
+/// Destroys the object and gives its memory to @p by. False if it is left to the caller, as it was.
+template <class T>
+bool hold_back(T* object, runtime::object_watch& by) noexcept {
+  if constexpr (std::is_destructible<T>::value && !has_destroying_delete<T>::value) {
+    if (is_exactly(*object)) {
+      using policy = policy_of<T>;
+      using header_type = header<policy>;
+      // Nothing is added to it, even by a program that goes on after a report.
+      constexpr std::uint64_t word = state_word::retired_flag | state_word::queued_flag;
+      void* const memory = object;
+      void* const place = &access::header_of(*object);
+      object->~T();
+      std::memset(memory, runtime::held_memory::pattern, sizeof(T));
+      auto* const header = new (place) header_type;
+      (void)policy::add(header->state, word);
+      header->link.store(header, std::memory_order_relaxed);  // (8) as mark_dying
+      by.hold({memory, sizeof(T), type_name<T>::get(), header, sizeof(header_type),
+               [](const void* of) noexcept {
+                 const auto& h = *static_cast<const header_type*>(of);
+                 return policy::load(h.state) == word &&
+                        h.link.load(std::memory_order_relaxed) == of;  // (8)
+               },
+               [](const runtime::held_memory& m) noexcept {
+                 static_cast<header_type*>(m.header)->~header_type();
+                 deallocate<T>(m.begin);
+               }});
+      return true;
+    }
+  }
+  by.let_go(object);
+  return false;
+}
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
@@ -778,6 +999,10 @@ state_word uncount_reference(T* object) noexcept {
 template <class T>
 void destroy_object(T* object) noexcept {
   detail::mark_dying(object);
+#if SLAMGC_DEBUG
+  if (auto* const watch = detail::watch())
+    if (detail::hold_back(object, *watch)) return;
+#endif
   delete object;
 }
 
@@ -1061,6 +1286,8 @@ class counted_container;
 template <class T, class Std, class Reference, class Iterator>
 Reference reference_in(const counted_container<T, Std, Reference, Iterator>&);
 
+struct element_mapped;
+
 /// Removes elements from a companion of a purged sequence, in step with it.
 template <class Companion>
 class companion_cursor {
@@ -1099,7 +1326,8 @@ class companion_cursor {
   std::size_t seen_ = 0;
 };
 
-/// What bypass puts in the place of @p p. Chains of retired objects may be circles.
+/// What bypass puts in the place of @p p. Chains of retired objects may be circles; in a retired object that is itself part of a
+/// long one, what comes after so many steps is nothing: else a map that died but for one object would take quadratic time.
 template <class T, class Next, class Stale>
 T* bypassed(T* p, const Next& next, Stale& stale) {
   T* mark = p;
@@ -1107,7 +1335,7 @@ T* bypassed(T* p, const Next& next, Stale& stale) {
   std::size_t next_mark = 1;
   do {
     p = next(*p);
-    if (p == mark) return nullptr;
+    if (p == mark || steps == stale.patience()) return nullptr;
     if (++steps == next_mark) {  // Brent 1980: the mark moves at powers of two
       mark = p;
       next_mark *= 2;
@@ -1198,6 +1426,7 @@ struct edge_sequence : edge_container<Container> {
   template <class... Companions, class Stale>
   static void purge(Container& member, const on_retire::erase_edge_with<Companions...>& how,
                     Stale& stale) {
+    if (member.empty()) return;  // some clear the sequence and forget its companions
     const bool in_step = std::apply(
         [&](auto&... c) { return (... && (c.size() == member.size())); }, how.companions);
     SLAMGC_ASSERT(in_step, (misuse{"describes a companion of another length than its sequence",
@@ -1243,11 +1472,18 @@ struct edge_keyed : edge_container<Container> {
   template <class Stale>
   static void purge(Container& member, on_retire::erase_edge, Stale& stale) {
     using pointer = decltype(reference()(*member.raw().begin()));
-    using target = std::remove_pointer_t<pointer>;
-    if constexpr (std::is_same<typename Container::key_type, target*>::value) {
-      // By look-up, where that is less work than a walk.
+    using target = std::remove_cv_t<std::remove_pointer_t<pointer>>;
+    // By look-up, where that is less work than a walk. What a purge knows are objects, not derived ones.
+    if constexpr (!std::is_same<reference, element_mapped>::value &&
+                  std::is_same<target, object_of<target>>::value) {
       if (stale.few(member.size())) {
-        stale.template each<target>([&](target* p) { return member.erase(p) != 0; });
+        stale.template each<target>([&](target* p) {
+          const auto at = member.find(p);
+          if (at == member.end() || reference()(*at) != p)
+            return false;  // or just an equivalent one
+          member.erase(at);
+          return true;
+        });
         return;
       }
     }
@@ -1328,7 +1564,9 @@ struct edge_member<rc_unordered_map<T, M, Options...>>
 /// all references to it, and those that are left are held or not described. That is true unless an edge moved past the walk:
 /// so if the references that a purge has seen do not add up to the count, it is due again after 1, 2, 4, ... calls.
 ///
-/// **Where edges of retired objects are concerned**: they stay as they are until the object is reclaimed.
+/// **Edges of stuck objects** are purged, too. Else a retired keyframe that one member of a thread holds would keep the next one
+/// that is retired, and that one the next: one old reference, and nothing would be reclaimed any more. What the program needs
+/// of a retired object that it still uses, such as the parent that its pose is relative to, is for its edges() to hold.
 ///
 /// **Why it is safe**: a purge drops references as the program could at any time. It holds no lock of the library, and
 /// destroys nothing. Between its begin and its end no object is destroyed at all.
@@ -1789,11 +2027,11 @@ class root_list {
     return *made;
   }
   static void put(place& p) noexcept {
+    p.suspicion.store(place::no, std::memory_order_relaxed);  // (31) of its last user.
     p.state.store(place::rooted, std::memory_order_release);  // (31) its content, to visit().
   }
   /// Waits while a collector is in its edges().
   static void remove(place& p) noexcept {
-    p.suspicion.store(place::no, std::memory_order_relaxed);  // (31)
     std::uint32_t state = place::rooted;
     // (31) acquire: what the collector did in there is over; release: to take().
     while (!p.state.compare_exchange_weak(state, place::free, std::memory_order_acq_rel,
@@ -1804,11 +2042,11 @@ class root_list {
   }
   void want_suspicion(place& p) noexcept {
     p.suspicion.store(place::wanted, std::memory_order_relaxed);  // (31)
-    suspicions_.fetch_add(1, std::memory_order_relaxed);          // (31) a collector looks later.
+    suspicions_.fetch_add(1, std::memory_order_release);          // (31) so that the wish is seen.
   }
   /// Whether one was wanted since the last time.
   bool any_suspected() noexcept {
-    const std::uint64_t now = suspicions_.load(std::memory_order_relaxed);  // (31)
+    const std::uint64_t now = suspicions_.load(std::memory_order_acquire);  // (31)
     return now != std::exchange(suspicions_seen_, now);
   }
   /// Calls f(place) for each root; for those of mutators, too, if @p all. By a collector. A root that ends meanwhile is
@@ -1837,6 +2075,70 @@ class root_list {
 // ---- slamgc/detail/table_base.hpp ----
 /// @file
 /// What all zero-count tables have in common, whatever the type of their objects.
+
+// ---- slamgc/stats.hpp ----
+/// @file
+/// What a domain can say about itself, as plain numbers.
+
+#include <vector>
+
+namespace slamgc {
+
+/// Numbers of the objects of one type in one domain.
+struct type_stats {
+  const char* type = "";        ///< The type, as the compiler spells it.
+  std::size_t object_size = 0;  ///< Bytes of one object, without what it allocates itself.
+  std::uint64_t created = 0;    ///< Objects made so far.
+  std::uint64_t live = 0;       ///< Objects that exist now.
+  std::uint64_t retired = 0;    ///< Objects declared dead so far; see retire().
+  std::uint64_t reclaimed = 0;  ///< Objects destroyed by collectors so far.
+  std::uint64_t stuck = 0;      ///< Retired objects with described edges that others refer to now.
+  std::uint64_t backlog = 0;    ///< Objects that wait for a collector now.
+
+  /// Bytes of the objects that exist now, without what they allocate themselves.
+  [[nodiscard]] std::uint64_t live_bytes() const noexcept { return live * object_size; }
+  /// Bytes of the objects destroyed by collectors so far, without what they had allocated themselves.
+  [[nodiscard]] std::uint64_t reclaimed_bytes() const noexcept { return reclaimed * object_size; }
+};
+
+/// Numbers of one registered thread.
+struct mutator_stats {
+  const char* name = "";  ///< The name it registered with.
+  bool online = false;    ///< Whether it may hold borrowed pointers.
+  bool delays = false;    ///< Whether the open grace period waits for it.
+};
+
+/// Whom reclamation waits for.
+struct delay {
+  const char* oldest = nullptr;  ///< Who holds the open grace period up, the longest; null: nobody.
+  std::chrono::nanoseconds age{0};  ///< For how long it has held it up.
+  std::uint64_t backlog = 0;        ///< Objects that wait.
+};
+
+/// Numbers of one domain.
+struct domain_stats {
+  std::vector<type_stats> types;                ///< One for each type of which an object was made.
+  std::vector<mutator_stats> mutators;          ///< One for each registered thread.
+  delay delayed;                                ///< Whom reclamation waits for.
+  std::uint64_t grace_periods = 0;              ///< Grace periods begun so far, by collecting.
+  std::chrono::nanoseconds longest_collect{0};  ///< Longest call of collect() so far.
+  std::uint64_t refused_collects = 0;  ///< Calls on threads that declared never to reclaim.
+
+  /// The sum of one number over all types.
+  [[nodiscard]] std::uint64_t total(std::uint64_t type_stats::*number) const noexcept {
+    std::uint64_t sum = 0;
+    for (const type_stats& t : types) sum += t.*number;
+    return sum;
+  }
+  /// Bytes of the objects of all types that exist now, without what they allocate themselves.
+  [[nodiscard]] std::uint64_t live_bytes() const noexcept {
+    std::uint64_t sum = 0;
+    for (const type_stats& t : types) sum += t.live_bytes();
+    return sum;
+  }
+};
+
+}  // namespace slamgc
 
 namespace slamgc {
 namespace runtime SLAMGC_SHARED {
@@ -1940,6 +2242,10 @@ struct alignas(cache_line) table_door {
 
 template <class Env>
 class trial_deletion;
+template <class Env>
+class side_block;
+template <class Env>
+struct described_operations;
 
 /// The part of a domain's zero-count table for objects of one type; see zero_count_table.hpp.
 template <class Env>
@@ -1951,8 +2257,9 @@ class table_base {
   static constexpr std::size_t first_of_mutators = 2;
   static constexpr std::size_t doors = first_of_mutators + Env::mutator_doors;
 
-  table_base(domain_state<Env>& d, const void* t, const char* name, std::size_t size) noexcept
-      : domain(d), type(t), type_name(name), object_size(size) {}
+  table_base(domain_state<Env>& d, const void* t, const char* name, std::size_t size,
+             bool blocks) noexcept
+      : domain(d), type(t), type_name(name), object_size(size), has_blocks(blocks) {}
   virtual ~table_base() = default;
   table_base(const table_base&) = delete;
   table_base& operator=(const table_base&) = delete;
@@ -1966,10 +2273,16 @@ class table_base {
   // For trial deletion (trial_deletion.hpp), by the collector, of a candidate:
 
   virtual std::uint64_t word_of(const void* object) const noexcept = 0;
+  virtual const described_operations<Env>& operations() const noexcept = 0;
   /// Records each reference to a candidate. False if edges() threw.
   virtual bool walk(void* object, trial_deletion<Env>& trial) noexcept = 0;
   /// Drops all references. False if edges() threw.
   virtual bool sever(void* object) noexcept = 0;
+  /// The block of an object to which there may be weak handles, or null.
+  virtual side_block<Env>* block_of(void* object) const noexcept = 0;
+  /// Whether the word has the references that were noted: by a read-modify-write, which a lock() that it does not see
+  /// does see (decision.hpp).
+  virtual bool seal(void* object, std::uint64_t noted) noexcept = 0;
   virtual void destroy(void* object) noexcept = 0;
   /// It was a suspect: is retired, and stays.
   virtual void condemn(void* object) noexcept = 0;
@@ -1980,6 +2293,7 @@ class table_base {
   const void* const type;
   const char* const type_name;
   const std::size_t object_size;
+  const bool has_blocks;  // whether there may be weak handles to objects of the type
   table_base* next = nullptr;
 
   /// The calling thread's door, and its part in this domain if it has one.
@@ -2016,6 +2330,18 @@ class table_base {
   }
   /// Candidates.
   std::uint64_t stuck() const noexcept { return stuck_.load(std::memory_order_relaxed); }  // (12)
+  type_stats stats() const noexcept {
+    type_stats s;
+    s.type = type_name;
+    s.object_size = object_size;
+    s.created = sum(&door::created);
+    s.live = live();
+    s.retired = sum(&door::retired);
+    s.reclaimed = reclaimed();
+    s.stuck = stuck();
+    s.backlog = backlog();
+    return s;
+  }
   /// Objects that wait, if nobody changes it meanwhile; never less than none.
   std::uint64_t backlog() const noexcept {
     const std::uint64_t left = left_.load(std::memory_order_relaxed);  // (12)
@@ -2034,6 +2360,9 @@ class table_base {
   typename door::number reclaimed_{0};
   typename door::number left_{0};
   typename door::number stuck_{0};
+
+ public:
+  type_stats told;  // what hooks know; behind the doors, whose offsets the instructions depend on
 };
 
 }  // namespace SLAMGC_SHARED
@@ -2049,7 +2378,8 @@ class table_base {
 /// 3. *excludes* each candidate that has others, and what is recorded to be reached from it;
 /// 4. after a grace period that began after 2, *checks* the words of all that are left: one that has changed is
 ///    excluded, as in 3;
-/// 5. *severs* what is left, and destroys it.
+/// 5. if there are weak handles to what is left: decides (decision.hpp), and waits for another grace period;
+/// 6. *severs* what is left, and destroys it.
 ///
 /// **What is left is out of everybody's sight**: docs/design.md, "Cycles". There, too, is why 3 and 4 must not walk the
 /// edges a second time.
@@ -2059,8 +2389,6 @@ class table_base {
 ///
 /// Trial deletion: Christopher 1984; Bacon and Rajan 2001; *The Garbage Collection Handbook*, 5.5. The use of versions in
 /// place of a second, synchronous walk is ours.
-
-#include <new>
 
 // ---- slamgc/detail/candidate.hpp ----
 /// @file
@@ -2076,7 +2404,7 @@ struct candidate;
 template <class Env>
 class edge_list {
   struct block {
-    static constexpr std::size_t size = 1023;
+    static constexpr std::uint32_t size = 1023;
     block* next = nullptr;
     candidate<Env>* targets[size];
   };
@@ -2096,7 +2424,7 @@ class edge_list {
    private:
     friend class edge_list;
     block* block_;
-    std::size_t index_;
+    std::uint32_t index_;
   };
 
   edge_list() noexcept { clear(); }
@@ -2140,20 +2468,19 @@ class edge_list {
 /// other value of a link has.
 template <class Env>
 struct candidate {
-  void* object;
+  void* object;  // null: unused
   table_base<Env>* table;
   std::uint64_t noted;
-  std::uint32_t inner;           // references from candidates
-  bool fresh;                    // not in a round yet
-  bool live;                     // excluded
-  bool suspect;                  // not retired: it is in this round only
-  bool purged;                   // a purge has looked for its stale edges
-  std::uint32_t purged_version;  // when that began
-  std::uint32_t held;            // references that it saw and left
-  candidate* next;
-  candidate* next_marked;
-  typename edge_list<Env>::place first_edge;
-  std::size_t edges;
+  typename edge_list<Env>::place first_edge;  // of those recorded
+  candidate* next_marked;                     // also: the next unused one
+  std::uint32_t edges;                        // how many
+  std::uint32_t inner;                        // references from candidates
+  std::uint32_t held;                         // references that the last purge saw and left
+  std::uint32_t purged_version;               // when that began
+  bool fresh;                                 // not in a round yet
+  bool live;                                  // excluded
+  bool suspect;                               // not retired: it is in this round only
+  bool purged;                                // a purge has looked for its stale edges
 
   static void* link_to(candidate* c) noexcept {
     return static_cast<char*>(static_cast<void*>(c)) + 1;
@@ -2163,6 +2490,265 @@ struct candidate {
     return static_cast<candidate*>(static_cast<void*>(static_cast<char*>(link) - 1));
   }
 };
+
+/// All candidates, in blocks: each phase goes through them in the order of memory. Blocks without candidates are freed.
+template <class Env>
+class candidate_list {
+  struct block {
+    static constexpr std::size_t size = 255;
+    block* next = nullptr;
+    candidate<Env>* unused = nullptr;
+    std::size_t used = 0;
+    candidate<Env> candidates[size];
+  };
+
+ public:
+  /// Goes through the candidates.
+  class cursor {
+   public:
+    /// The next one, or null.
+    candidate<Env>* next() noexcept {
+      for (; block_ != nullptr; block_ = block_->next, index_ = 0) {
+        while (index_ != block::size) {
+          candidate<Env>& c = block_->candidates[index_++];
+          if (index_ + ahead < block::size)
+            __builtin_prefetch(block_->candidates[index_ + ahead].object);
+          if (c.object != nullptr) return &c;
+        }
+      }
+      return nullptr;
+    }
+
+   private:
+    friend class candidate_list;
+    /// Objects lie anywhere: their words arrive while others are worked on.
+    static constexpr std::size_t ahead = 8;
+    block* block_ = nullptr;
+    std::size_t index_ = 0;
+  };
+
+  candidate_list() noexcept = default;
+  ~candidate_list() {
+    while (first_ != nullptr) delete std::exchange(first_, first_->next);
+  }
+  candidate_list(const candidate_list&) = delete;
+  candidate_list& operator=(const candidate_list&) = delete;
+
+  cursor begin() const noexcept {
+    cursor c;
+    c.block_ = first_;
+    return c;
+  }
+  /// An unused one, or null if there is no memory.
+  candidate<Env>* add() noexcept {
+    while (room_ != nullptr && room_->unused == nullptr) room_ = room_->next;
+    if (room_ == nullptr && !grow()) return nullptr;
+    candidate<Env>* const c = room_->unused;
+    room_->unused = c->next_marked;
+    ++room_->used;
+    return c;
+  }
+  /// Removes the one that @p at came to last.
+  void remove(cursor& at) noexcept {
+    candidate<Env>& c = at.block_->candidates[at.index_ - 1];
+    c.object = nullptr;
+    c.next_marked = at.block_->unused;
+    at.block_->unused = &c;
+    --at.block_->used;
+  }
+  /// Frees what remove() has left empty, but one block.
+  void trim() noexcept {
+    bool keep = true;
+    for (block** at = &first_; *at != nullptr;) {
+      if ((*at)->used == 0 && !std::exchange(keep, false))
+        delete std::exchange(*at, (*at)->next);
+      else
+        at = &(*at)->next;
+    }
+    room_ = first_;
+  }
+
+ private:
+  bool grow() noexcept {
+    block* const more = new (std::nothrow) block;
+    if (more == nullptr) return false;
+    for (std::size_t i = block::size; i-- != 0;) {
+      more->candidates[i].object = nullptr;
+      more->candidates[i].next_marked = more->unused;
+      more->unused = &more->candidates[i];
+    }
+    more->next = first_;
+    first_ = room_ = more;
+    return true;
+  }
+
+  block* first_ = nullptr;
+  block* room_ = nullptr;  // before it no block has room, or all blocks are full
+};
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc
+// ---- slamgc/detail/decision.hpp ----
+/// @file
+/// How a collector decides that objects die while weak handles lead to them: one decision for a whole set.
+///
+/// **States.** A side block is *alive*, *in decision n*, or *dead*; dead is for ever. A domain has one *decision word*:
+/// a number, and whether that decision is open, vetoed, or dead. The collector
+/// 1. opens decision n;
+/// 2. for each object of the set that has a block: *marks* the block with n, *seals* the object's word (a
+///    read-modify-write that changes nothing and finds it as it was noted), and makes the record;
+/// 3. *commits*: open becomes dead, by compare-and-swap. If a word had changed, or somebody vetoed, the marks are taken
+///    back and nothing has happened;
+/// 4. makes the blocks dead, one by one;
+/// 5. destroys the objects after another grace period.
+///
+/// Who *locks* a handle finds the block not dead, adds a reference, and looks at the block again: alive is success; in an
+/// open decision, a *veto* is; a dead decision is failure, and the reference is removed again. Nobody ever waits.
+///
+/// The argument: docs/design.md, "Weak handles and anchors".
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+/// The decision word of a domain.
+template <class Env>
+class decision {
+ public:
+  enum class outcome { survives, dies, unknown };
+  static constexpr std::uint64_t step = 4;  // numbers are multiples of it, from the first one on
+
+  // The collector's:
+
+  void open() noexcept {
+    number_ += step;
+    // (27) release: who finds this decision finds the marks of those before it taken back.
+    word_.store(number_ | is_open, std::memory_order_release);
+  }
+  std::uint64_t number() const noexcept { return number_; }
+  /// False if somebody vetoed.
+  bool commit() noexcept {
+    std::uint64_t expected = number_ | is_open;
+    // (27) release: the records are made; relaxed: a veto tells nothing else.
+    return word_.compare_exchange_strong(expected, number_ | is_dead, std::memory_order_release,
+                                         std::memory_order_relaxed);  // (27)
+  }
+
+  // Of who has added a reference, and found the object in decision n:
+
+  /// What that decision says; unknown if it is over.
+  outcome veto(std::uint64_t n) noexcept {
+    std::uint64_t found = n | is_open;
+    // (27) acquire: who comes too late sees the records, or the marks taken back. (A veto needs no order; g++ wants that of
+    // success to be no weaker.)
+    if (word_.compare_exchange_strong(found, n | is_vetoed, std::memory_order_acquire,
+                                      std::memory_order_acquire))  // (27)
+      return outcome::survives;
+    if (found == (n | is_vetoed)) return outcome::survives;
+    return found == (n | is_dead) ? outcome::dies : outcome::unknown;
+  }
+
+ private:
+  static constexpr std::uint64_t is_open = 0;
+  static constexpr std::uint64_t is_vetoed = 1;
+  static constexpr std::uint64_t is_dead = 2;
+
+  typename Env::template atomic<std::uint64_t> word_{0};
+  std::uint64_t number_ = 0;
+};
+
+/// What is left of an object for its weak handles, as collectors see it.
+template <class Env>
+class side_block {
+ public:
+  explicit side_block(const void* owner) noexcept : owner_(owner) {}
+  virtual ~side_block() = default;
+  side_block(const side_block&) = delete;
+  side_block& operator=(const side_block&) = delete;
+
+  /// The object, for as long as the caller may touch it.
+  const void* owner() const noexcept { return owner_; }
+  bool is_dead() const noexcept {
+    // (28) acquire: sees the record.
+    return state_.load(std::memory_order_acquire) == dead;
+  }
+  /// Of who has added a reference to the object, after it had found the block not dead: whether that counts.
+  bool survives() const noexcept {
+    for (;;) {
+      // (28) acquire: sees whose decision it is in, and the record.
+      const std::uint64_t now = state_.load(std::memory_order_acquire);
+      if (now == alive) return true;
+      if (now == dead) return false;
+      // (28) the mark published it.
+      switch (judge_.load(std::memory_order_relaxed)->veto(now)) {
+        case decision<Env>::outcome::survives:
+          return true;
+        case decision<Env>::outcome::dies:
+          return false;
+        case decision<Env>::outcome::unknown:  // the block says how it ended
+          break;
+      }
+    }
+  }
+
+  // The collector's:
+
+  void mark(decision<Env>& by) noexcept {
+    judge_.store(&by, std::memory_order_relaxed);  // (28) published by the mark.
+    // (28) release: publishes the judge, and that the decision is open.
+    state_.store(by.number(), std::memory_order_release);
+  }
+  void unmark() noexcept {
+    state_.store(alive, std::memory_order_relaxed);  // (28) nothing is read through it.
+  }
+  bool is_marked() const noexcept {
+    const std::uint64_t now = state_.load(std::memory_order_relaxed);  // (28) its own mark.
+    return now != alive && now != dead;
+  }
+  /// For ever. A grace period later nobody but the collector touches the object.
+  void expire() noexcept {
+    state_.store(dead, std::memory_order_release);  // (28) publishes the record.
+  }
+  /// Makes the record of an object that is about to die.
+  virtual void bury() noexcept {}
+
+  /// A reference came and went while the collector looked at the object, which may have been a lock(). Who is patient for
+  /// ever lets a handle that is polled keep its object for ever.
+  void disturbed() noexcept {
+    if (is_dead() || ++disturbed_ != patience) return;
+    bury();
+    expire();
+  }
+  /// The object was found referred to.
+  void undisturbed() noexcept { disturbed_ = 0; }
+
+  static constexpr unsigned patience = 4;
+
+ private:
+  static constexpr std::uint64_t alive = 0;
+  static constexpr std::uint64_t dead = 1;
+
+  const void* const owner_;
+  typename Env::template atomic<decision<Env>*> judge_{nullptr};
+  typename Env::template atomic<std::uint64_t> state_{alive};
+  unsigned disturbed_ = 0;
+};
+
+/// Decides on one object, whose word @p sealed looks at. Returns whether it dies.
+template <class Env, class Sealed>
+bool decide_alone(decision<Env>& by, side_block<Env>& block, Sealed sealed) noexcept {
+  by.open();
+  block.mark(by);
+  bool dies = sealed();
+  if (dies) {
+    block.bury();
+    dies = by.commit();
+  }
+  if (dies)
+    block.expire();
+  else
+    block.unmark();
+  return dies;
+}
 
 }  // namespace SLAMGC_SHARED
 }  // namespace slamgc
@@ -2177,45 +2763,42 @@ class trial_deletion {
   using limit_type = work_limit<Env>;
 
   trial_deletion() noexcept = default;
-  ~trial_deletion() {
-    while (blocks_ != nullptr) {
-      block* const next = blocks_->next;
-      delete blocks_;
-      blocks_ = next;
-    }
-  }
   trial_deletion(const trial_deletion&) = delete;
   trial_deletion& operator=(const trial_deletion&) = delete;
 
-  /// The new candidate, or null if there is no memory.
-  candidate_type* add(void* object, table_base<Env>& table) noexcept {
-    if (free_ == nullptr && !grow()) return nullptr;
-    candidate_type* const c = free_;
-    free_ = c->next;
-    *c = {object, &table, 0, 0,      true,    true,         suspecting_,
-          false,  0,      0, first_, nullptr, edges_.end(), 0};
-    first_ = c;
+  /// The new candidate, with its word now, or null if there is no memory.
+  candidate_type* add(void* object, table_base<Env>& table, std::uint64_t word) noexcept {
+    candidate_type* const c = all_.add();
+    if (c == nullptr) return nullptr;
+    *c = {object, &table, word, edges_.end(), nullptr, 0, 0, 0, 0, true, true, suspecting_, false};
+    any_blocks_ = any_blocks_ || table.has_blocks;
     return c;
   }
   /// Steps 1 to 3, before the grace period. False if the limit came first.
   bool find(limit_type& limit) noexcept {
+    if (phase_ == phase::expired) start(phase::severing);  // after the grace period that follows
     if (phase_ == phase::idle) {
       changed_ = false;
+      left_ = 0;
       start(phase::beginning);
     }
     if (phase_ == phase::beginning) {
       while (candidate_type* const c = next()) {
-        const std::uint64_t now = c->table->word_of(c->object);
-        changed_ = changed_ || !same_references(now, c->noted);  // a new one was noted as 0
+        // A new one was noted when it was added: a while ago is as good.
+        const std::uint64_t now = c->fresh ? c->noted : c->table->word_of(c->object);
+        changed_ = changed_ || c->fresh || !same_references(now, c->noted);
         c->noted = now;
         c->inner = 0;
         c->fresh = c->live = false;
+        ++left_;
         if (!limit.spend()) return false;
       }
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
-      // stored it yet will have done so after a grace period: so one more round after the last change.
-      const bool worth_it = changed_ || unsettled_;
-      unsettled_ = changed_;
+      // stored it yet will have done so after a grace period: so one more round after the last change. A round with suspects
+      // comes to its end, even if no root has any: else the suspicion would last.
+      const bool worth_it = changed_ || unsettled_ || suspecting_;
+      // After a purge, too: owners of roots join it at their next quiescent state.
+      unsettled_ = changed_ || std::exchange(purged_, false);
       start(worth_it ? phase::recording : phase::idle);
     }
     if (phase_ == phase::recording) {
@@ -2232,6 +2815,7 @@ class trial_deletion {
         roots_->visit([this](const root_place<Env>& root) {
           if (root.is_suspected()) root.operations->record(root.described, *this);
         });
+        if (out_of_memory_) return give_up();
       }
       start(phase::excluding);
     }
@@ -2239,8 +2823,7 @@ class trial_deletion {
       while (exclude_marked(limit)) {
         candidate_type* const c = next();
         if (c == nullptr) {
-          const bool any_left = survey();
-          start(any_left ? phase::checking : suspecting_ ? phase::resolving : phase::idle);
+          start(left_ != 0 ? phase::checking : suspecting_ ? phase::resolving : phase::idle);
           return true;
         }
         if (c->inner != state_word{c->noted}.count()) mark(*c);
@@ -2254,7 +2837,9 @@ class trial_deletion {
   /// Whether find() has to be called again after a grace period.
   bool unsettled() const noexcept { return unsettled_; }
 
-  /// Steps 4 and 5, after the grace period. False if the limit came first.
+  runtime::decision<Env>& decision() noexcept { return decision_; }
+
+  /// Steps 4 to 6, after the grace period. False if the limit came first.
   bool decide(limit_type& limit, std::size_t& reclaimed) noexcept {
     if (phase_ == phase::checking) {
       for (;;) {
@@ -2262,12 +2847,20 @@ class trial_deletion {
         candidate_type* const c = next();
         if (c == nullptr) break;
         if (c->live) continue;
-        if (!same_references(c->table->word_of(c->object), c->noted)) mark(*c);
+        if (!same_references(c->table->word_of(c->object), c->noted)) {
+          disturbed(*c);
+          mark(*c);
+        }
         if (!limit.spend()) return false;
       }
-      start(suspecting_ ? phase::resolving : phase::severing);
+      if (any_blocks_ && !suspecting_) decision_.open();
+      decided_ = true;
+      marked_blocks_ = false;
+      start(suspecting_ ? phase::resolving : any_blocks_ ? phase::deciding : phase::severing);
     }
     if (phase_ == phase::resolving && !resolve(limit)) return false;
+    if (!expire_blocks(limit)) return false;
+    if (phase_ == phase::expired) return true;
     if (phase_ == phase::severing) {
       while (candidate_type* const c = next()) {
         if (c->live) continue;
@@ -2276,24 +2869,17 @@ class trial_deletion {
       }
       // What could not be severed stays, with what it refers to.
       if (!exclude_marked(limit)) return false;
-      rest_ = first_;
-      first_ = nullptr;
-      phase_ = phase::destroying;
+      start(phase::destroying);
     }
     if (phase_ == phase::destroying) {
-      while (candidate_type* const c = rest_) {
-        rest_ = c->next;
-        if (c->live) {
-          c->next = first_;
-          first_ = c;
-          continue;
-        }
+      while (candidate_type* const c = next()) {
+        if (c->live) continue;
         c->table->destroy(c->object);
         ++reclaimed;
-        c->next = free_;
-        free_ = c;
+        all_.remove(at_);
         if (!limit.spend()) return false;
       }
+      all_.trim();
       phase_ = phase::idle;
     }
     return true;
@@ -2305,9 +2891,10 @@ class trial_deletion {
   template <class F>
   void begin_purge(F f) noexcept {
     unpurged_ = false;
-    unsettled_ = true;
-    for (candidate_type* c = first_; c != nullptr; c = c->next) {
-      c->purged = true;
+    unsettled_ = purged_ = true;
+    auto at = all_.begin();
+    while (candidate_type* const c = at.next()) {
+      c->purged = !c->fresh;  // else the references from candidates are not known yet
       c->purged_version = state_word{c->table->word_of(c->object)}.version();
       c->held = 0;
       f(*c);
@@ -2343,42 +2930,29 @@ class trial_deletion {
     excluding,
     checking,
     resolving,
+    deciding,
+    unmarking,
+    expiring,
+    expired,
     severing,
     destroying
   };
-  struct block {
-    static constexpr std::size_t size = 255;
-    block* next;
-    candidate_type candidates[size];
-  };
-
   static bool same_references(std::uint64_t a, std::uint64_t b) noexcept {
     return state_word{a}.same_references({b});
   }
   void start(phase p) noexcept {
     phase_ = p;
-    at_ = first_;
+    at_ = all_.begin();
     if (p == phase::recording) edges_.clear();
   }
-  candidate_type* next() noexcept {
-    candidate_type* const c = at_;
-    if (c != nullptr) at_ = c->next;
-    return c;
-  }
-  /// Whether any is left; and whether one that is not gives reason for a purge.
-  bool survey() noexcept {
-    bool any_left = false;
-    for (const candidate_type* c = first_; c != nullptr; c = c->next) {
-      if (!c->live)
-        any_left = true;
-      else if (!c->fresh && (!c->purged || c->purged_version != state_word{c->noted}.version()))
-        unpurged_ = true;
-    }
-    return any_left;
-  }
+  candidate_type* next() noexcept { return at_.next(); }
   void mark(candidate_type& c) noexcept {
     if (c.live) return;
     c.live = true;
+    --left_;
+    if (phase_ <= phase::excluding && !c.suspect &&
+        (!c.purged || c.purged_version != state_word{c.noted}.version()))
+      unpurged_ = true;
     c.next_marked = marked_;
     marked_ = &c;
   }
@@ -2392,69 +2966,100 @@ class trial_deletion {
     }
     return true;
   }
+  /// Step 5: one decision for all that is left. False if the limit came first.
+  bool expire_blocks(limit_type& limit) noexcept {
+    if (phase_ == phase::deciding) {
+      while (candidate_type* const c = decided_ ? next() : nullptr) {
+        side_block<Env>* const side = block_of(*c);
+        if (side != nullptr) {
+          marked_blocks_ = true;
+          side->mark(decision_);
+          decided_ = c->table->seal(c->object, c->noted);
+          if (decided_) side->bury();
+        }
+        if (!limit.spend()) return false;
+      }
+      decided_ = decided_ && (!marked_blocks_ || decision_.commit());
+      start(!marked_blocks_ ? phase::severing : decided_ ? phase::expiring : phase::unmarking);
+    }
+    if (phase_ == phase::expiring || phase_ == phase::unmarking) {
+      while (candidate_type* const c = next()) {
+        side_block<Env>* const side = block_of(*c);
+        if (side != nullptr && side->is_marked()) {
+          if (phase_ == phase::expiring) {
+            side->expire();
+          } else {
+            side->unmark();
+            if (!same_references(c->table->word_of(c->object), c->noted)) disturbed(*c);
+          }
+        }
+        if (!limit.spend()) return false;
+      }
+      // What made the decision fail has changed a word: there will be another round.
+      phase_ = phase_ == phase::expiring ? phase::expired : phase::idle;
+    }
+    return true;
+  }
+  /// Of a candidate that nothing else refers to, if weak handles may lead to it.
+  static side_block<Env>* block_of(const candidate_type& c) noexcept {
+    if (c.live || !c.table->has_blocks) return nullptr;
+    side_block<Env>* const side = c.table->block_of(c.object);
+    return side != nullptr && !side->is_dead() ? side : nullptr;
+  }
+  static void disturbed(candidate_type& c) noexcept {
+    if (!state_word{c.noted}.is_retired())
+      return;  // only what is retired may expire while it is referred to
+    if (side_block<Env>* const side = block_of(c)) side->disturbed();
+  }
   /// Without memory this round finds nothing; another one will.
   bool give_up() noexcept {
     marked_ = nullptr;
     out_of_memory_ = false;
     unsettled_ = true;
-    for (candidate_type* c = first_; c != nullptr; c = c->next) c->live = true;
+    auto at = all_.begin();
+    while (candidate_type* const c = at.next()) c->live = true;
     start(suspecting_ ? phase::resolving : phase::idle);
     return true;
   }
   /// The end of a round with suspects: what was found is retired, the rest leaves.
   bool resolve(limit_type& limit) noexcept {
-    if (resolved_ == nullptr) resolved_ = &first_;
-    while (candidate_type* const c = *resolved_) {
+    while (candidate_type* const c = next()) {
       if (c->suspect && (!c->live || state_word{c->table->word_of(c->object)}.is_retired())) {
         c->table->condemn(c->object);
         c->suspect = false;
         c->fresh = true;
-        unsettled_ = true;
       }
       if (c->suspect) {
-        *resolved_ = c->next;
         c->table->leave(c->object);
-        c->next = free_;
-        free_ = c;
-      } else {
-        resolved_ = &c->next;
+        all_.remove(at_);
       }
       if (!limit.spend()) return false;
     }
-    resolved_ = nullptr;
+    all_.trim();
     suspecting_ = false;
+    unsettled_ = true;  // what was found among the retired ones was only left out
     roots_->visit([](root_place<Env>& root) { root.end_suspicion(); });
     start(phase::idle);
     return true;
   }
-  bool grow() noexcept {
-    block* const more = new (std::nothrow) block;
-    if (more == nullptr) return false;
-    more->next = blocks_;
-    blocks_ = more;
-    for (candidate_type& c : more->candidates) {
-      c.next = free_;
-      free_ = &c;
-    }
-    return true;
-  }
-
   phase phase_ = phase::idle;
   bool out_of_memory_ = false;
   bool changed_ = false;
   bool unsettled_ = false;
   bool unpurged_ = false;
-  candidate_type* first_ = nullptr;
+  bool purged_ = false;         // since the last round began
+  bool any_blocks_ = false;     // some candidate's type has them
+  bool marked_blocks_ = false;  // in this decision
+  bool decided_ = false;        // so far, that all die
+  runtime::decision<Env> decision_;
+  candidate_list<Env> all_;
+  typename candidate_list<Env>::cursor at_;  // in this phase
   candidate_type* walked_ = nullptr;
   edge_list<Env> edges_;
-  candidate_type* at_ = nullptr;      // the next one in this phase
+  std::size_t left_ = 0;              // candidates of this round that are not excluded
   candidate_type* marked_ = nullptr;  // excluded, not walked yet
   bool suspecting_ = false;
   root_list<Env>* roots_ = nullptr;
-  candidate_type** resolved_ = nullptr;  // up to here
-  candidate_type* rest_ = nullptr;       // not destroyed or put back yet
-  candidate_type* free_ = nullptr;
-  block* blocks_ = nullptr;
 };
 
 }  // namespace SLAMGC_SHARED
@@ -2475,13 +3080,14 @@ class purge {
   bool at_work() const noexcept { return at_work_; }
   /// Whether there is reason to begin one.
   bool due(const trial_deletion<Env>& trial) const noexcept {
-    return !at_work_ && (trial.unpurged() || retry_in_ == 1);
+    return !at_work_ && !gave_up_ && (trial.unpurged() || retry_in_ == 1);
   }
   /// A call of collect() begins. If it is @p thorough, nothing is put off.
   void begin_call(bool thorough) noexcept {
-    if (retry_in_ > 1) retry_in_ = thorough ? 1 : retry_in_ - 1;
+    if (retry_in_ > 1) retry_in_ = thorough || gave_up_ ? 1 : retry_in_ - 1;
+    gave_up_ = false;
   }
-  /// Goes on, or begins. False if the limit or the memory came to its end first.
+  /// Goes on, or begins. False if the limit came first.
   bool run(root_list<Env>& roots, trial_deletion<Env>& trial, std::size_t live_objects,
            work_limit<Env>& limit) noexcept {
     if (!at_work_) {
@@ -2491,23 +3097,26 @@ class purge {
       trial.begin_purge([this](candidate<Env>& c) {
         bool ignored = false;
         if (stuck_.add({c.object, &c}, ignored) == nullptr) walk_.fail();
-        walk_.exclude(c.object);
+        if (c.fresh)  // may be garbage: trial deletion comes first
+          walk_.exclude(c.object);
+        else
+          walk_.meet(c.object, c.table->operations());
       });
       roots.visit([this](const root_place<Env>& root) {
         root.operations->purge_by_collector(root.described, *this);
       });
     }
     while (!walk_.at_end() && !walk_.out_of_memory()) {
-      if (!limit.spend()) return false;
       const auto item = walk_.next();
       item.type->purge_by_collector(item.object, *this);
+      if (!limit.spend()) return false;
     }
     if (walk_.out_of_memory()) return give_up();
     bool explained = true;
     stuck_.each([&](const stuck& s) {
       const candidate<Env>& c = *s.entry;
       const std::uint32_t count = state_word{c.table->word_of(c.object)}.count();
-      explained = explained && (c.fresh || count <= c.inner + c.held);
+      explained = explained && (c.fresh || count <= c.held);
     });
     retry_after_ = explained ? 0 : retry_after_ == 0 ? 1 : 2 * retry_after_;
     retry_in_ = explained ? 0 : retry_after_ + 1;
@@ -2539,11 +3148,12 @@ class purge {
   }
 
  private:
-  /// The next call tries again.
+  /// The next call tries again; meanwhile there may be memory to reclaim.
   bool give_up() noexcept {
+    gave_up_ = true;
     retry_in_ = 2;
     finish();
-    return false;
+    return true;
   }
   void finish() noexcept {
     stuck_.clear();
@@ -2552,6 +3162,7 @@ class purge {
   }
 
   bool at_work_ = false;
+  bool gave_up_ = false;  // in this call, for want of memory
   std::uint64_t retry_after_ = 0;
   std::uint64_t retry_in_ = 0;  // calls; 1: now; 0: never
   address_table<stuck> stuck_;
@@ -2578,6 +3189,12 @@ struct has_edges : std::false_type {};
 template <class T>
 struct has_edges<T, std::void_t<decltype(std::declval<T&>().edges(std::declval<edge_probe&>()))>>
     : std::true_type {};
+
+/// Stands for a type that describes none.
+struct no_edges {
+  template <class Visitor>
+  void edges(Visitor&) {}
+};
 
 template <class T>
 class zero_count_table;
@@ -2624,7 +3241,8 @@ struct severing_visitor {
 template <class Env>
 class stale_to_collector {
  public:
-  explicit stale_to_collector(runtime::purge<Env>& p) noexcept : purge_(p) {}
+  stale_to_collector(runtime::purge<Env>& p, bool holder_is_stuck) noexcept
+      : purge_(p), holder_is_stuck_(holder_is_stuck) {}
 
   template <class T>
   bool operator()(T* p) const noexcept {
@@ -2639,6 +3257,10 @@ class stale_to_collector {
   bool dropped(bool done) const noexcept {
     if (done) purge_.dropped();
     return done;
+  }
+  /// How many retired objects to step over.
+  std::size_t patience() const noexcept {
+    return holder_is_stuck_ ? 64 : static_cast<std::size_t>(-1);
   }
   /// Whether it is better to look up what is stuck than to walk n elements.
   bool few(std::size_t n) const noexcept { return purge_.stuck_objects() * 8 < n; }
@@ -2656,6 +3278,7 @@ class stale_to_collector {
     return purge_.find(static_cast<const object_of<T>*>(p));
   }
   runtime::purge<Env>& purge_;
+  const bool holder_is_stuck_;
 };
 
 /// What is stale to the owner of a root, who knows nothing of purges: what is retired.
@@ -2667,6 +3290,7 @@ struct stale_to_owner {
   template <class T>
   void hold(T*) const noexcept {}
   bool dropped(bool done) const noexcept { return done; }
+  std::size_t patience() const noexcept { return static_cast<std::size_t>(-1); }
   bool few(std::size_t) const noexcept { return false; }
   template <class T, class F>
   void each(F) const noexcept {}
@@ -2677,7 +3301,7 @@ struct operations_on {
   static const runtime::described_operations<Env> table;
 
   static bool purge_by_collector(void* described, runtime::purge<Env>& with) {
-    purging_visitor visitor{with};
+    purging_visitor visitor{with, with.find(described) != nullptr};
     return detail::visit_edges(*static_cast<Described*>(described), visitor);
   }
   static bool purge_by_owner(void* described) {
@@ -2719,11 +3343,12 @@ struct operations_on {
  private:
   struct purging_visitor {
     runtime::purge<Env>& with;
+    const bool is_stuck;
 
     template <class Member, class Disposition = on_retire::hold_edge>
     void edge(const char*, Member& member, const Disposition& how = {}) {
       using ops = edge_member<Member>;
-      stale_to_collector<Env> stale(with);
+      stale_to_collector<Env> stale(with, is_stuck);
       ops::purge(member, how, stale);
       ops::each(member, [this](auto* p) {
         using target = object_of<std::remove_pointer_t<decltype(p)>>;
@@ -2815,66 +3440,49 @@ enum class waited {
 };
 
 }  // namespace slamgc
-// ---- slamgc/stats.hpp ----
+// ---- slamgc/diagnosis/hooks.hpp ----
 /// @file
-/// What a domain can say about itself, as plain numbers.
-
-#include <vector>
+/// What a domain tells a profiler.
 
 namespace slamgc {
 
-/// Numbers of the objects of one type in one domain.
-struct type_stats {
-  const char* type = "";        ///< The type, as the compiler spells it.
-  std::size_t object_size = 0;  ///< Bytes of one object, without what it allocates itself.
-  std::uint64_t created = 0;    ///< Objects made so far.
-  std::uint64_t live = 0;       ///< Objects that exist now.
-  std::uint64_t retired = 0;    ///< Objects declared dead so far; see retire().
-  std::uint64_t reclaimed = 0;  ///< Objects destroyed by collectors so far.
-  std::uint64_t stuck = 0;      ///< Retired objects with described edges that others refer to now.
-  std::uint64_t backlog = 0;    ///< Objects that wait for a collector now.
+/// One call of collect() that was not refused: a slice of a domain's collection.
+struct slice_stats {
+  using time_point = std::chrono::steady_clock::time_point;  ///< When something was.
 
-  /// Bytes of the objects that exist now, without what they allocate themselves.
-  [[nodiscard]] std::uint64_t live_bytes() const noexcept { return live * object_size; }
-  /// Bytes of the objects destroyed by collectors so far, without what they had allocated themselves.
-  [[nodiscard]] std::uint64_t reclaimed_bytes() const noexcept { return reclaimed * object_size; }
+  collected did;                     ///< What the call returns.
+  time_point begin;                  ///< When it began.
+  std::chrono::nanoseconds took{0};  ///< How long it took.
+  std::uint64_t grace_periods = 0;   ///< Grace periods that began in it.
+  delay delayed;                     ///< Whom the domain waits for at its end.
 };
 
-/// Numbers of one registered thread.
-struct mutator_stats {
-  const char* name = "";  ///< The name it registered with.
-  bool online = false;    ///< Whether it may hold borrowed pointers.
-  bool delays = false;    ///< Whether the open grace period waits for it.
-};
+/// What a domain calls while it collects: derive from this, override what is wanted, and install() it.
+///
+/// All functions are called in collect(), on the thread that collects, one at a time for one domain. They must not throw, and
+/// must not collect, count or retire. They may read stats() of the domain.
+///
+/// Without hooks a call of collect() has one branch more. With hooks it sums up the numbers of all types, twice
+/// at most: O(types + mutators), as stats().
+class collector_hooks {
+ public:
+  using time_point = slice_stats::time_point;  ///< When something was.
 
-/// Whom reclamation waits for.
-struct delay {
-  const char* oldest = nullptr;  ///< Who holds the open grace period up, the longest; null: nobody.
-  std::chrono::nanoseconds age{0};  ///< For how long it has held it up.
-  std::uint64_t backlog = 0;        ///< Objects that wait.
-};
+  virtual ~collector_hooks() = default;
 
-/// Numbers of one domain.
-struct domain_stats {
-  std::vector<type_stats> types;                ///< One for each type of which an object was made.
-  std::vector<mutator_stats> mutators;          ///< One for each registered thread.
-  delay delayed;                                ///< Whom reclamation waits for.
-  std::uint64_t grace_periods = 0;              ///< Grace periods begun so far, by collecting.
-  std::chrono::nanoseconds longest_collect{0};  ///< Longest call of collect() so far.
-  std::uint64_t refused_collects = 0;  ///< Calls on threads that declared never to reclaim.
-
-  /// The sum of one number over all types.
-  [[nodiscard]] std::uint64_t total(std::uint64_t type_stats::*number) const noexcept {
-    std::uint64_t sum = 0;
-    for (const type_stats& t : types) sum += t.*number;
-    return sum;
-  }
-  /// Bytes of the objects of all types that exist now, without what they allocate themselves.
-  [[nodiscard]] std::uint64_t live_bytes() const noexcept {
-    std::uint64_t sum = 0;
-    for (const type_stats& t : types) sum += t.live_bytes();
-    return sum;
-  }
+  /// A slice begins.
+  virtual void slice_begins(time_point) noexcept {}
+  /// The grace period with this number, which was open when the slice began, is over. Told before the slice ends; that it is
+  /// over was found at @p when.
+  virtual void grace_period_closed(std::uint64_t /*number*/, time_point /*when*/) noexcept {}
+  /// The slice ends while the grace period with this number is open, since @p when. (Those that begin and end within one slice are
+  /// in its numbers only.)
+  virtual void grace_period_opened(std::uint64_t /*number*/, time_point /*when*/) noexcept {}
+  /// The numbers of one type at the end of the slice, if they are others than at the end of the last one; @p reclaimed objects of
+  /// the type were destroyed since then. The type's name stays valid, at its address.
+  virtual void objects(const type_stats& /*now*/, std::uint64_t /*reclaimed*/) noexcept {}
+  /// The slice ends.
+  virtual void slice_ended(const slice_stats&) noexcept {}
 };
 
 }  // namespace slamgc
@@ -2963,18 +3571,9 @@ class collection {
     // (21) acquire: sees what the last collector left behind.
     if (collecting_.exchange(true, std::memory_order_acquire)) return {outcome::busy, 0};
     const auto begin = clock::now();
-    for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
-      if (p->domain == &of) p->publish();
-    collected done;
-    {
-      participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
-      const participation<Env> as_collector(me);
-      me.pass_quiescent_state();
-      work_limit<Env> work(limit.objects, limit.time, begin);
-      purge_.begin_call(thorough);
-      done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
-      me.publish();
-    }
+    purge_.begin_call(thorough);
+    const collected done =
+        hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);
     const std::int64_t took = std::chrono::nanoseconds(clock::now() - begin).count();
     if (took > longest_.load(std::memory_order_relaxed))  // (12)
       longest_.store(took, std::memory_order_relaxed);    // (12)
@@ -2988,6 +3587,14 @@ class collection {
     backlog_limit_ = limit;
     backlog_hook_ = hook;
     backlog_context_ = context;
+  }
+
+  void install(domain& of, collector_hooks* hooks) noexcept {
+    hooks_ = hooks;
+    for (table* t = of.tables(); t != nullptr; t = t->next) {
+      t->told = t->stats();
+      t->told.object_size = 0;  // of no type: they are told the next time
+    }
   }
 
   trial_deletion<Env>& trial() noexcept { return trial_; }
@@ -3023,6 +3630,54 @@ class collection {
   using clock = clock_of<Env>;
   using table = table_base<Env>;
   enum class phase { noting, waiting, deciding, purging };
+
+  collected slice(domain& of, const budget& limit, typename clock::time_point begin) noexcept {
+    for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
+      if (p->domain == &of) p->publish();
+    collected done;
+    {
+      participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
+      const participation<Env> as_collector(me);
+      me.pass_quiescent_state();
+      work_limit<Env> work(limit.objects, limit.time, begin);
+      done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
+      me.publish();
+    }
+    return done;
+  }
+
+  /// The same, with hooks.
+  __attribute__((noinline)) collected told_slice(domain& of, const budget& limit,
+                                                 typename clock::time_point begin) noexcept {
+    const std::uint64_t before = grace_periods();
+    const bool was_open = open() != 0;
+    hooks_->slice_begins(begin);
+    slice_stats told;
+    told.did = slice(of, limit, begin);
+    told.begin = begin;
+    told.grace_periods = grace_periods() - before;
+    const bool others = told.grace_periods != 0;
+    if (was_open && (others || open() == 0)) hooks_->grace_period_closed(before, begin);
+    if (others && open() != 0) {
+      const std::chrono::nanoseconds when(opened_.load(std::memory_order_relaxed));  // (12)
+      hooks_->grace_period_opened(grace_periods(), typename clock::time_point(when));
+    }
+    for (table* t = of.tables(); t != nullptr; t = t->next) {
+      const type_stats now = t->stats();
+      if (same_numbers(now, t->told)) continue;
+      hooks_->objects(now, now.reclaimed - t->told.reclaimed);
+      t->told = now;
+    }
+    told.delayed = delayed(of);
+    told.took = clock::now() - begin;
+    hooks_->slice_ended(told);
+    return told.did;
+  }
+  static bool same_numbers(const type_stats& a, const type_stats& b) noexcept {
+    return a.object_size == b.object_size && a.created == b.created && a.live == b.live &&
+           a.retired == b.retired && a.reclaimed == b.reclaimed && a.stuck == b.stuck &&
+           a.backlog == b.backlog;
+  }
 
   outcome run(domain& of, participant<Env>& me, work_limit<Env>& work,
               std::size_t& reclaimed) noexcept {
@@ -3117,6 +3772,7 @@ class collection {
   std::uint64_t backlog_limit_ = 0;
   void (*backlog_hook_)(const delay&, void*) = nullptr;
   void* backlog_context_ = nullptr;
+  collector_hooks* hooks_ = nullptr;
 };
 
 }  // namespace SLAMGC_SHARED
@@ -3395,446 +4051,23 @@ class note_list {
 }  // namespace detail
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
-
-namespace slamgc {
-inline namespace SLAMGC_FLAVOUR {
-namespace detail {
-
-template <class T>
-class zero_count_table final : public runtime::table_base<typename policy_of<T>::env> {
-  using env = typename policy_of<T>::env;
-  using base = runtime::table_base<env>;
-  using policy = policy_of<T>;
-  using typename base::door;
-  using candidate = runtime::candidate<env>;
-
- public:
-  explicit zero_count_table(runtime::domain_state<env>& of) noexcept
-      : base(of, &type_key<T>, slamgc::detail::type_name<T>::get(), sizeof(T)) {}
-
-  /// The table of T in @p domain, or null.
-  static zero_count_table* find(const runtime::domain_state<env>& domain) noexcept {
-    return static_cast<zero_count_table*>(domain.find(&type_key<T>));
-  }
-  /// The table of T in @p domain. Throws std::bad_alloc, the first time.
-  static zero_count_table& in(runtime::domain_state<env>& domain) {
-    zero_count_table* found = find(domain);
-    if (found == nullptr) {
-      found = new zero_count_table(domain);
-      domain.add(*found);
-    }
-    return *found;
-  }
-  /// The table of an object that is not queued.
-  static zero_count_table* of(const T& object) noexcept {
-    auto& link = access::header_of(object).link;
-    // (13) stored by the object's constructor, or before it left the table.
-    return static_cast<zero_count_table*>(link.load(std::memory_order_relaxed));
-  }
-
-  /// Takes in an object whose `queued` flag the caller has just set. Lock-free; never allocates.
-  void push(T* object) noexcept {
-    runtime::participant<env>* me;
-    door& at = this->my_door(me);
-    push(object, at, me);
-  }
-  /// The same, where the caller knows the door.
-  void push(T* object, door& at, runtime::participant<env>* me) noexcept {
-    auto& link = access::header_of(*object).link;
-    base::add(at, &door::entered);
-    if (me == nullptr || !me->keeps_chains()) {
-      at.push(object, link);
-      return;
-    }
-    link.store(at.chain, std::memory_order_relaxed);  // (11)
-    if (at.chain == nullptr) {
-      at.chain_end = &link;
-      at.next_pending = me->pending;
-      me->pending = &at;
-    }
-    at.chain = object;
-  }
-
-  bool note(runtime::work_limit<env>& limit, std::size_t& noted) noexcept override {
-    for (;;) {
-      while (taken_ != nullptr) {
-        auto& header = access::header_of(*taken_);
-        void* const below = header.link.load(std::memory_order_relaxed);  // (11)
-        const std::uint64_t word = policy::load(header.state);
-        if (is_candidate(word)) {
-          if (!become_candidate(taken_)) return true;
-          base::add(this->left_, 1);
-        } else {
-          if (!notes_.add({taken_, word})) return true;
-          ++noted;
-        }
-        taken_ = static_cast<T*>(below);
-        if (!limit.spend()) return false;
-      }
-      if (at_door_ == base::doors) break;
-      taken_ = static_cast<T*>(this->doors_[at_door_++].take());
-    }
-    at_door_ = 0;
-    return true;
-  }
-
-  std::uint64_t word_of(const void* object) const noexcept override {
-    return policy::load(access::header_of(*static_cast<const T*>(object)).state);
-  }
-  bool walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
-    if constexpr (has_edges<T>::value) return operations_on<T, env>::record(object, trial);
-    return true;
-  }
-  bool sever(void* object) noexcept override {
-    severing_visitor visitor;
-    if constexpr (has_edges<T>::value)
-      return detail::visit_edges(*static_cast<T*>(object), visitor);
-    return true;
-  }
-  void destroy(void* object) noexcept override {
-    destroy_object(static_cast<T*>(object));
-    base::add(this->stuck_, std::uint64_t{0} - 1);
-    base::add(this->reclaimed_, 1);
-    base::add(this->doors_[base::collectors_door].ended, 1);
-  }
-
-  /// Makes a candidate of an object that is neither queued nor retired: see trial_deletion::suspect.
-  static void suspect(T& object) noexcept {
-    auto& header = access::header_of(object);
-    std::uint64_t now = policy::load(header.state);
-    do {
-      const state_word w{now};
-      if (w.is_queued() || w.is_retired() || w.is_saturated()) return;
-    } while (!policy::compare_exchange(header.state, now, now | state_word::queued_flag));
-    zero_count_table* const mine = of(object);
-    if (!mine->become_candidate(&object)) mine->leave_table(object);
-  }
-  void condemn(void* object) noexcept override {
-    auto& state = access::header_of(*static_cast<T*>(object)).state;
-    std::uint64_t now = policy::load(state);
-    do {
-      if (state_word{now}.is_retired()) return;
-    } while (!policy::compare_exchange(state, now, now | state_word::retired_flag));
-    base::add(this->doors_[base::collectors_door].retired, 1);
-  }
-  void leave(void* object) noexcept override {
-    base::add(this->stuck_, std::uint64_t{0} - 1);
-    leave_table(*static_cast<T*>(object));
-  }
-
-  bool decide(runtime::work_limit<env>& limit, std::size_t& reclaimed) noexcept override {
-    std::size_t left = 0;
-    std::size_t destroyed = 0;
-    bool more = true;
-    limit.other_objects();
-    for (; more && !notes_.empty(); more = limit.spend()) {
-      if (const entry* const soon = notes_.soon()) __builtin_prefetch(soon->object, 1);
-      const entry e = notes_.take();
-      ++left;
-      if (!is_dead(e)) continue;
-      // The destructor may do anything, push objects of this type included.
-      destroy_object(e.object);
-      ++destroyed;
-    }
-    base::add(this->left_, left);
-    base::add(this->reclaimed_, destroyed);
-    base::add(this->doors_[base::collectors_door].ended, destroyed);
-    reclaimed += destroyed;
-    return more;
-  }
-
- private:
-  struct entry {
-    T* object;
-    std::uint64_t noted;
-  };
-
-  /// Else the object is where it belongs afterwards.
-  bool is_dead(const entry& e) noexcept {
-    auto& header = access::header_of(*e.object);
-    std::uint64_t now = policy::load(header.state);
-    for (;;) {
-      const state_word w{now};
-      if (w.count() == 0) {
-        if (w.same_references({e.noted})) return true;
-        push(e.object);
-        return false;
-      }
-      if (is_candidate(now)) {
-        if (!become_candidate(e.object)) push(e.object);
-        return false;
-      }
-      if (clear_queued(header, now)) return false;
-    }
-  }
-
-  /// Clears `queued`, or pushes the object.
-  void leave_table(T& object) noexcept {
-    auto& header = access::header_of(object);
-    std::uint64_t now = policy::load(header.state);
-    do {
-      const state_word w{now};
-      if (w.is_retired() || (w.count() == 0 && reclaimer_of<T>::at_zero)) {
-        push(&object);
-        return;
-      }
-    } while (!clear_queued(header, now));
-  }
-  /// The object leaves, or @p now is its word.
-  template <class Header>
-  bool clear_queued(Header& header, std::uint64_t& now) noexcept {
-    // (13) published by clearing the flag: compare_exchange (6) releases.
-    header.link.store(this, std::memory_order_relaxed);
-    return policy::compare_exchange(header.state, now, now & ~state_word::queued_flag);
-  }
-
-  /// Retired, described, and still referred to: in place of leaving, it is tried.
-  static constexpr bool is_candidate(std::uint64_t word) noexcept {
-    return has_edges<T>::value && state_word{word}.count() != 0 && state_word{word}.is_retired();
-  }
-  /// False if there is no memory.
-  bool become_candidate(T* object) noexcept {
-    auto* const c = this->domain.collection.trial().add(object, *this);
-    if (c == nullptr) return false;
-    // (11) read by collectors alone.
-    access::header_of(*object).link.store(candidate::link_to(c), std::memory_order_relaxed);
-    base::add(this->stuck_, 1);
-    return true;
-  }
-
-  // The collector's:
-  note_list<entry> notes_;
-  T* taken_ = nullptr;       // what is left of a door's stack
-  std::size_t at_door_ = 0;  // the next door
-};
-
-}  // namespace detail
-}  // namespace SLAMGC_FLAVOUR
-}  // namespace slamgc
-// ---- slamgc/domain.hpp ----
+// ---- slamgc/detail/side_block.hpp ----
 /// @file
-/// Domains: what objects, threads and collectors share; grace periods; collecting.
+/// Side blocks: what weak handles and anchors refer to.
 ///
-/// **States.** The domain has an epoch, a number that only grows. Each mutator has a record: 0 while it
-/// is offline, else an epoch that it read at its last quiescent state.
-///
-/// **Grace period.** A collector advances the epoch to `g`. The grace period is over when each record is
-/// 0 or at least `g`.
-///
-/// **Argument.** Let a reference be unlinked before the collector advances the epoch. A mutator with a
-/// record of `g` or more has *read* that epoch, which the collector wrote after the unlinking: what the
-/// mutator reads from then on cannot be the unlinked pointer, and what it had borrowed before, it gave
-/// up. A mutator that was offline when the collector looked changes the epoch, by a read-modify-write,
-/// before it reads anything: either after the collector's advance, and it sees the unlinking; or before
-/// it, and the collector, whose advance is a read-modify-write too, sees its record. So when the grace
-/// period is over nobody has a pointer that was borrowed through the unlinked reference.
-///
-/// Quiescent-state-based reclamation: Hart, McKenney, Brown and Walpole 2007. Orders:
-/// docs/memory-model.md.
+/// A block is a counted object. The object that it belongs to has one reference to it, each handle another; so it
+/// outlives the object as long as a handle needs it. A chain of blocks, whose records refer to each other, is destroyed
+/// without recursion, as any counted objects are.
 
-#include <algorithm>
+#include <memory>
 
-namespace slamgc {
-inline namespace SLAMGC_FLAVOUR {
+// ---- slamgc/intrusive_rc.hpp ----
+/// @file
+/// The counted pointer for locals, parameters and roots.
 
-/// What objects, threads and collectors share: one per SLAM system.
-///
-/// An object belongs to the domain that is current on the thread that makes it: that of its innermost
-/// mutator, or default_domain() on a thread that has none. While destructors run in collect(), the current
-/// domain is the one that collects.
-///
-/// Thread-safety: unless they say otherwise, operations may be called by any thread at any time. None waits for a
-/// grace period except synchronize() and drain(). After fork() the child has the mutators of threads that it does
-/// not have: it must not use the domain.
-template <class Env>
-class basic_domain {
- public:
-  /// An empty domain. Throws std::bad_alloc.
-  basic_domain() : state_(new runtime::domain_state<Env>) {}
-  /// Reclaims what nobody can see. If objects are left, their number and types are printed to the
-  /// standard error stream; they stay valid, and are not reclaimed any more. No other thread may be
-  /// collecting; mutators may outlive it.
-  ~basic_domain() {
-    if (!never_reclaims()) {
-      const collected last = state_->collection.collect(*state_, {}, true);
-      SLAMGC_ASSERT(last.result != outcome::busy,
-                    (misuse{"ends a domain that is being collected", "domain", this, 0}));
-      (void)last;
-    }
-    for (table* t = state_->tables(); t != nullptr; t = t->next)
-      if (const std::uint64_t live = t->live())
-        std::fprintf(stderr, "slamgc: a domain ends while %llu objects of type %s exist\n",
-                     static_cast<unsigned long long>(live), t->type_name);
-    state_->release();
-  }
-  basic_domain(const basic_domain&) = delete;
-  basic_domain& operator=(const basic_domain&) = delete;
+#include <iosfwd>
+#include <typeindex>  // the smallest header with std::hash
 
-  /// Reclaims, within @p limit, what nobody can see any more. Never waits.
-  ///
-  /// Destructors run on the calling thread, outside of any lock; they may retire, make and count objects, and
-  /// call collect(), which does nothing then. One thread collects at a time. Objects that enter while a grace period
-  /// is open wait for the next one. O(objects handled + types + mutators).
-  collected collect(budget limit = {}) noexcept { return collect(limit, false); }
-
-  /// Waits for a grace period: afterwards nobody holds a pointer that was borrowed through a reference
-  /// which was unlinked before.
-  [[nodiscard]] waited synchronize(
-      std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) noexcept {
-    if (is_online() || is_collecting()) return waited::refused;
-    const std::uint64_t target = state_->advance();
-    return wait(timeout, [&] { return state_->behind(target) == nullptr; });
-  }
-
-  /// Collects until nothing waits any more, and waits for the grace periods that this takes.
-  [[nodiscard]] waited drain(
-      std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) noexcept {
-    if (is_online() || is_collecting()) return waited::refused;
-    bool refused = false;
-    const auto begin = clock::now();
-    const auto ends_with = [&] {
-      budget left;
-      left.time = timeout - std::min<std::chrono::nanoseconds>(timeout, clock::now() - begin);
-      return collect(left, true).result;
-    };
-    const waited result = wait(timeout, [&] {
-      const outcome now = ends_with();
-      refused = now == outcome::refused;
-      // The first call may only have ended what an earlier one began.
-      return refused || (now == outcome::done && ends_with() == outcome::done);
-    });
-    return refused ? waited::refused : result;
-  }
-
-  /// The numbers of now. Exact while no thread changes them. Throws std::bad_alloc. O(types + mutators).
-  [[nodiscard]] domain_stats stats() const {
-    using door = runtime::table_door<Env>;
-    domain_stats all;
-    for (table* t = state_->tables(); t != nullptr; t = t->next) {
-      type_stats s;
-      s.type = t->type_name;
-      s.object_size = t->object_size;
-      s.created = t->sum(&door::created);
-      s.live = t->live();
-      s.retired = t->sum(&door::retired);
-      s.reclaimed = t->reclaimed();
-      s.stuck = t->stuck();
-      s.backlog = t->backlog();
-      all.types.push_back(s);
-    }
-    const auto& collection = state_->collection;
-    for (auto* r = state_->first_record(); r != nullptr; r = r->next) {
-      if (!r->taken.load(std::memory_order_relaxed)) continue;            // (12)
-      const std::uint64_t at = r->epoch.load(std::memory_order_relaxed);  // (12)
-      mutator_stats m;
-      m.name = r->name.load(std::memory_order_relaxed);  // (12)
-      m.online = at != record::offline;
-      m.delays = m.online && at < collection.open();
-      all.mutators.push_back(m);
-    }
-    all.delayed = collection.delayed(*state_);
-    all.grace_periods = collection.grace_periods();
-    all.longest_collect = collection.longest();
-    all.refused_collects = collection.refused();
-    return all;
-  }
-
-  /// Whom reclamation waits for, and how much. Allocates nothing. O(types + mutators).
-  [[nodiscard]] delay delayed() const noexcept { return state_->collection.delayed(*state_); }
-
-  /// Calls @p hook in collect(), on its thread, whenever it ends because it waits for a mutator while more
-  /// than @p limit objects wait. It must not throw. Not to be called while another thread collects.
-  void on_backlog(std::uint64_t limit, void (*hook)(const delay&, void* context),
-                  void* context = nullptr) noexcept {
-    state_->collection.on_backlog(limit, hook, context);
-  }
-
- private:
-  using outcome = collected::outcome;
-  using clock = runtime::clock_of<Env>;
-  using table = runtime::table_base<Env>;
-  using record = runtime::mutator_record<Env>;
-  using participant = runtime::participant<Env>;
-  using participants = runtime::participants<Env>;
-
-  friend struct detail::domain_access;
-  explicit basic_domain(runtime::domain_state<Env>& shared) noexcept : state_(&shared) {}
-
-  collected collect(const budget& limit, bool thorough) noexcept {
-    if (never_reclaims()) {
-      SLAMGC_ASSERT(false, (misuse{"collects on a thread that never reclaims", "domain", this, 0}));
-      state_->collection.refuse();
-      return {outcome::refused, 0};
-    }
-    return state_->collection.collect(*state_, limit, thorough);
-  }
-  bool is_online() const noexcept {
-    return participants::any_in(*state_, [](const participant& p) { return p.online; });
-  }
-  bool is_collecting() const noexcept {
-    return participants::any_in(*state_, [](const participant& p) { return p.record == nullptr; });
-  }
-  static bool never_reclaims() noexcept {
-    for (auto* p = participants::of_this_thread().innermost; p != nullptr; p = p->outer)
-      if (p->never_reclaim && p->online) return true;
-    return false;
-  }
-
-  template <class Condition>
-  static waited wait(std::chrono::nanoseconds timeout, Condition condition) noexcept {
-    constexpr std::chrono::nanoseconds longest_pause = std::chrono::milliseconds(1);
-    constexpr std::chrono::nanoseconds step{100};
-    const auto begin = clock::now();
-    for (std::chrono::nanoseconds pause{0}; !condition(); pause += pause / 2 + step) {
-      if (clock::now() - begin >= timeout) return waited::timed_out;
-      if (pause > longest_pause) pause = longest_pause;
-      clock::pause(pause);
-    }
-    return waited::done;
-  }
-
-  runtime::domain_state<Env>* const state_;
-};
-
-namespace detail {
-
-struct domain_access {
-  template <class Env>
-  static runtime::domain_state<Env>& state_of(const basic_domain<Env>& domain) noexcept {
-    return *domain.state_;
-  }
-  template <class Env>
-  static basic_domain<Env>& shared() {
-    static basic_domain<Env>& forever = *new basic_domain<Env>(runtime::default_state<Env>());
-    return forever;
-  }
-};
-
-}  // namespace detail
-
-/// The domain of threads that have no mutator. Made on first use, never destroyed: the destructors of
-/// static objects may use it. One per process, in shared libraries too, unless one of them is loaded by `dlopen`
-/// with RTLD_LOCAL or linked with -Bsymbolic: those need a domain that is handed to them.
-template <class Env>
-[[nodiscard]] basic_domain<Env>& basic_default_domain() {
-  return detail::domain_access::shared<Env>();
-}
-/// The default domain of ordinary programs.
-[[nodiscard]] inline domain& default_domain() { return basic_default_domain<std_env>(); }
-
-namespace detail {
-
-/// The domain of the thread's innermost mutator, or the default one.
-template <class Env>
-runtime::domain_state<Env>& current_domain() {
-  const auto* const me = runtime::participants<Env>::of_this_thread().innermost;
-  return me != nullptr ? *me->domain : domain_access::state_of(basic_default_domain<Env>());
-}
-
-}  // namespace detail
-
-}  // namespace SLAMGC_FLAVOUR
-}  // namespace slamgc
 // ---- slamgc/rc_object.hpp ----
 /// @file
 /// The base class of every counted object.
@@ -3917,170 +4150,6 @@ class rc_object {
 
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
-
-namespace slamgc {
-inline namespace SLAMGC_FLAVOUR {
-
-namespace detail {
-
-/// Where new objects of T on this thread belong, as it was found the last time.
-template <class T>
-struct current_place {
-  using env = typename policy_of<T>::env;
-
-  std::uint64_t key;  // of the thread's innermost part, and one more
-  zero_count_table<T>* table;
-  runtime::table_door<env>* door;
-
-  /// Throws std::bad_alloc, the first time in a domain.
-  static const current_place& get() {
-    current_place& last = env::template thread_record<current_place>();
-    const runtime::participants<env>& now = runtime::participants<env>::of_this_thread();
-    if (__builtin_expect(last.key != now.current + 1, false)) last.find(now);
-    return last;
-  }
-
- private:
-  __attribute__((noinline)) void find(const runtime::participants<env>& now) {
-    table = &zero_count_table<T>::in(detail::current_domain<env>());
-    runtime::participant<env>* ignored;
-    door = &table->my_door(ignored);
-    key = now.current + 1;
-  }
-};
-
-/// The table of T in the domain of the thread's innermost part, if there are both: for who must not throw.
-template <class T>
-zero_count_table<T>* known_table() noexcept {
-  const auto* const me =
-      runtime::participants<typename policy_of<T>::env>::of_this_thread().innermost;
-  return me != nullptr ? zero_count_table<T>::find(*me->domain) : nullptr;
-}
-
-/// Whether the calling thread may have borrowed from @p domain: it takes part there, or borrows nowhere.
-template <class Env>
-bool may_borrow_from(const runtime::domain_state<Env>& domain) noexcept {
-  using all = runtime::participants<Env>;
-  return all::borrower() == nullptr ||
-         all::any_in(domain, [](const runtime::participant<Env>&) { return true; });
-}
-
-/// What both reclaimers do. `AtZero`: an object that was not retired is reclaimed, too.
-template <bool AtZero>
-struct deferred : deferred_base {
-  static constexpr bool at_zero = AtZero;
-
-  /// Removes a reference. An object that nobody refers to waits for a collector. Lock-free; never
-  /// allocates, destroys or fails.
-  template <class T>
-  static void release(T* object) noexcept {
-    using policy = policy_of<T>;
-    auto& state = access::header_of(*object).state;
-    std::uint64_t now = policy::load(state);
-    for (;;) {
-      const state_word w{now};
-      SLAMGC_ASSERT(w.count() != 0,
-                    (misuse_of(object, "removes a reference that was never counted")));
-      if (w.count() == 0 || w.is_saturated()) return;
-      // The fall to zero and `queued` are one change. Between two, a collector could bring the object through
-      // the table and free it, and this thread, if it is no mutator, would touch it afterwards.
-      const bool enters = w.count() == 1 && !w.is_queued() && (AtZero || w.is_retired());
-      const std::uint64_t then =
-          now - state_word::count_unit + (enters ? state_word::queued_flag : 0);
-      if (policy::compare_exchange(state, now, then)) {
-        if (enters) zero_count_table<T>::of(*object)->push(object);
-        return;
-      }
-    }
-  }
-
-  /// The table of the object's type in the current domain. Throws std::bad_alloc, the first time.
-  template <class T>
-  static void* first_link() {
-    const auto& here = current_place<T>::get();
-    here.table->add(*here.door, &runtime::table_door<typename policy_of<T>::env>::created);
-    return here.table;
-  }
-  /// The program itself deletes an object, which has to be in no table.
-  template <class T>
-  static void last_link(void* table) noexcept {
-    using env = typename policy_of<T>::env;
-    auto& mine = *static_cast<zero_count_table<T>*>(table);
-    runtime::participant<env>* ignored;
-    mine.add(mine.my_door(ignored), &runtime::table_door<env>::ended);
-  }
-
-  /// Nothing is destroyed while a count changes, so there is nothing to hold back.
-  template <class T>
-  struct scope {
-    scope() noexcept {}  ///< Does nothing.
-  };
-};
-
-}  // namespace detail
-
-/// Reclaimer: an object whose count falls to zero is destroyed by a collector of its domain, once no
-/// mutator can have a borrowed pointer to it, unless a reference was added meanwhile. So is an object
-/// that was retired and that nobody refers to.
-struct reclaim_deferred : detail::deferred<true> {};
-
-/// Reclaimer: as reclaim_deferred, but only what was retired is destroyed (ORB-SLAM's `isBad`). An object
-/// that nobody refers to and that was not retired stays.
-///
-/// With mutators, this is the retire set of the thesis (chapter 4.3): retire() puts the object into the set,
-/// and collect() at the end of culling is the scan.
-struct reclaim_retired : detail::deferred<false> {};
-
-/// Declares *p dead: it is destroyed once its count is zero and no mutator can have a borrowed
-/// pointer to it. Objects that were never counted, too. Returns false if it was retired before or is null,
-/// and does nothing then.
-///
-/// By an online mutator of the object's domain, or by a thread that keeps a counted reference and is no mutator of
-/// another domain only, which is reported unless the object waits already. (If it does, it counts in stats() as retired
-/// in the domain of the calling thread's mutator, or not at all.) Lock-free; never allocates or destroys.
-template <class T>
-bool retire(T* p) noexcept {
-  static_assert(detail::is_deferred<T>::value,
-                "slamgc: only objects with a deferred reclaimer can be retired");
-  using policy = detail::policy_of<T>;
-  using env = typename policy::env;
-  using object = detail::object_of<T>;
-  if (p == nullptr) return false;
-  auto* const target = const_cast<object*>(static_cast<const object*>(p));
-  auto& state = detail::access::header_of(*target).state;
-  std::uint64_t now = policy::load(state);
-  for (;;) {
-    const state_word w{now};
-    if (w.is_retired()) return false;
-    // With described edges it is a candidate for trial deletion, whoever refers to it.
-    const bool enters = !w.is_queued() && (w.count() == 0 || detail::has_edges<object>::value);
-    // Of an object that is queued the link names no table. It is counted as one of the thread's domain, which is
-    // its own unless the thread lives by a counted reference.
-    auto* const table = w.is_queued() ? detail::known_table<object>()
-                                      : detail::zero_count_table<object>::of(*target);
-    const std::uint64_t then =
-        now | state_word::retired_flag | (enters ? state_word::queued_flag : 0);
-    if (!policy::compare_exchange(state, now, then)) continue;
-    if (table == nullptr) return true;
-    SLAMGC_ASSERT(detail::may_borrow_from(table->domain),
-                  (misuse{"retires an object of another domain than the thread's",
-                          detail::type_name<T>::get(), p, w.count()}));
-    runtime::participant<env>* me;
-    auto& door = table->my_door(me);
-    table->add(door, &runtime::table_door<env>::retired);
-    if (enters) table->push(target, door, me);
-    return true;
-  }
-}
-
-}  // namespace SLAMGC_FLAVOUR
-}  // namespace slamgc
-// ---- slamgc/intrusive_rc.hpp ----
-/// @file
-/// The counted pointer for locals, parameters and roots.
-
-#include <iosfwd>
-#include <typeindex>  // the smallest header with std::hash
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
@@ -4370,6 +4439,1065 @@ struct std::hash<slamgc::intrusive_rc<T>> {
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+template <class Env>
+class counted_block
+    : public rc_object<counted_block<Env>, basic_fetch_add_counter<Env>, reclaim_at_zero>,
+      public runtime::side_block<Env> {
+ public:
+  using runtime::side_block<Env>::side_block;
+};
+
+/// The part of an object that knows its block. A copy of the object is another object.
+template <class T, class Env>
+class block_owner {
+ public:
+  using block = counted_block<Env>;
+
+  /// Null if nobody has made a weak handle yet.
+  block* get() const noexcept {
+    return block_.load(std::memory_order_acquire);  // (29) sees the block that another thread made.
+  }
+  /// Throws std::bad_alloc, the first time.
+  block& get_or_make() const {
+    if (block* const made = get()) return *made;
+    intrusive_rc<block> mine = make_rc<block>(this);
+    block* found = nullptr;
+    // (29) release: publishes the block; acquire: sees that of who came first.
+    if (!block_.compare_exchange_strong(found, mine.get(), std::memory_order_release,
+                                        std::memory_order_acquire))  // (29)
+      return *found;
+    return *mine.detach();
+  }
+
+ protected:
+  block_owner() noexcept = default;
+  explicit block_owner(intrusive_rc<block> mine) noexcept : block_(mine.detach()) {}
+  ~block_owner() {
+    // (29) nobody else has the object any more.
+    if (block* const mine = block_.load(std::memory_order_relaxed)) {
+      mine->expire();
+      drop_reference(mine);
+    }
+  }
+  block_owner(const block_owner&) = delete;
+  block_owner& operator=(const block_owner&) = delete;
+
+ private:
+  mutable typename Env::template atomic<block*> block_{nullptr};
+};
+
+/// The owner in T, found as base_of() finds the base class: void if there is none, or if there are several.
+template <class T, class Env>
+block_owner<T, Env> owner_in(const block_owner<T, Env>*);
+void owner_in(...);
+template <class T>
+using owner_type = decltype(detail::owner_in(static_cast<const T*>(nullptr)));
+template <class T>
+struct has_block : std::bool_constant<!std::is_void<owner_type<T>>::value> {};
+
+/// The owner in *p, which has to be that of the class that derives from rc_object.
+template <class Env, class T>
+const block_owner<object_of<T>, Env>& owner_of(const T& p) noexcept {
+  using object = object_of<T>;
+  static_assert(
+      std::is_same<owner_type<object>, block_owner<object, Env>>::value,
+      "slamgc: the class that derives from rc_object must also derive publicly, and once, from "
+      "enable_weak_rc or enable_anchor, with the environment of its counter policy");
+  static_assert(
+      std::is_same<Env, typename policy_of<T>::env>::value,
+      "slamgc: enable_weak_rc and enable_anchor take the environment of the counter policy");
+  return p;
+}
+
+/// The object with a reference of the caller's own, or null. By an online mutator.
+template <class Object, class Env>
+Object* lock(const runtime::side_block<Env>& block) noexcept {
+  if (block.is_dead()) return nullptr;
+  const auto* const owner = static_cast<const block_owner<Object, Env>*>(block.owner());
+  auto* const object = const_cast<Object*>(static_cast<const Object*>(owner));
+  transitions<policy_of<Object>>::increment_before_look(access::header_of(*object).state);
+  if (block.survives()) return object;
+  drop_reference(object);
+  return nullptr;
+}
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+template <class T>
+class zero_count_table final : public runtime::table_base<typename policy_of<T>::env> {
+  using env = typename policy_of<T>::env;
+  using base = runtime::table_base<env>;
+  using policy = policy_of<T>;
+  using typename base::door;
+  using candidate = runtime::candidate<env>;
+
+ public:
+  explicit zero_count_table(runtime::domain_state<env>& of) noexcept
+      : base(of, &type_key<T>, slamgc::detail::type_name<T>::get(), sizeof(T),
+             has_block<T>::value) {}
+
+  /// The table of T in @p domain, or null.
+  static zero_count_table* find(const runtime::domain_state<env>& domain) noexcept {
+    return static_cast<zero_count_table*>(domain.find(&type_key<T>));
+  }
+  /// The table of T in @p domain. Throws std::bad_alloc, the first time.
+  static zero_count_table& in(runtime::domain_state<env>& domain) {
+    zero_count_table* found = find(domain);
+    if (found == nullptr) {
+      found = new zero_count_table(domain);
+      domain.add(*found);
+    }
+    return *found;
+  }
+  /// The table of an object that is not queued.
+  static zero_count_table* of(const T& object) noexcept {
+    auto& link = access::header_of(object).link;
+    // (13) stored by the object's constructor, or before it left the table.
+    return static_cast<zero_count_table*>(link.load(std::memory_order_relaxed));
+  }
+
+  /// Takes in an object whose `queued` flag the caller has just set. Lock-free; never allocates.
+  void push(T* object) noexcept {
+    runtime::participant<env>* me;
+    door& at = this->my_door(me);
+    push(object, at, me);
+  }
+  /// The same, where the caller knows the door.
+  void push(T* object, door& at, runtime::participant<env>* me) noexcept {
+    auto& link = access::header_of(*object).link;
+    base::add(at, &door::entered);
+    if (me == nullptr || !me->keeps_chains()) {
+      at.push(object, link);
+      return;
+    }
+    link.store(at.chain, std::memory_order_relaxed);  // (11)
+    if (at.chain == nullptr) {
+      at.chain_end = &link;
+      at.next_pending = me->pending;
+      me->pending = &at;
+    }
+    at.chain = object;
+  }
+
+  bool note(runtime::work_limit<env>& limit, std::size_t& noted) noexcept override {
+    for (;;) {
+      while (taken_ != nullptr) {
+        auto& header = access::header_of(*taken_);
+        void* const below = header.link.load(std::memory_order_relaxed);  // (11)
+        const std::uint64_t word = policy::load(header.state);
+        if (is_candidate(word)) {
+          if (!become_candidate(taken_, word)) return true;
+          base::add(this->left_, 1);
+        } else {
+          if (!notes_.add({taken_, word})) return true;
+          ++noted;
+        }
+        taken_ = static_cast<T*>(below);
+        if (!limit.spend()) return false;
+      }
+      if (at_door_ == base::doors) break;
+      taken_ = static_cast<T*>(this->doors_[at_door_++].take());
+    }
+    at_door_ = 0;
+    return true;
+  }
+
+  std::uint64_t word_of(const void* object) const noexcept override {
+    return policy::load(access::header_of(*static_cast<const T*>(object)).state);
+  }
+  runtime::side_block<env>* block_of(void* object) const noexcept override {
+    if constexpr (has_block<T>::value)
+      return owner_of<env>(*static_cast<const T*>(object)).get();
+    else
+      return nullptr;
+  }
+  bool seal(void* object, std::uint64_t noted) noexcept override {
+    auto& state = access::header_of(*static_cast<T*>(object)).state;
+    std::uint64_t now = policy::load(state);
+    do {
+      if (!state_word{now}.same_references({noted})) return false;
+    } while (!policy::compare_exchange(state, now, now));
+    return true;
+  }
+  const runtime::described_operations<env>& operations() const noexcept override {
+    return operations_on<std::conditional_t<has_edges<T>::value, T, no_edges>, env>::table;
+  }
+  bool walk(void* object, runtime::trial_deletion<env>& trial) noexcept override {
+    if constexpr (has_edges<T>::value) return operations_on<T, env>::record(object, trial);
+    return true;
+  }
+  bool sever(void* object) noexcept override {
+    severing_visitor visitor;
+    if constexpr (has_edges<T>::value)
+      return detail::visit_edges(*static_cast<T*>(object), visitor);
+    return true;
+  }
+  void destroy(void* object) noexcept override {
+    destroy_object(static_cast<T*>(object));
+    base::add(this->stuck_, std::uint64_t{0} - 1);
+    base::add(this->reclaimed_, 1);
+    base::add(this->doors_[base::collectors_door].ended, 1);
+  }
+
+  /// Makes a candidate of an object that is neither queued nor retired: see trial_deletion::suspect.
+  static void suspect(T& object) noexcept {
+    auto& header = access::header_of(object);
+    std::uint64_t now = policy::load(header.state);
+    do {
+      const state_word w{now};
+      if (w.is_queued() || w.is_retired() || w.is_saturated()) return;
+    } while (!policy::compare_exchange(header.state, now, now | state_word::queued_flag));
+    zero_count_table* const mine = of(object);
+    if (!mine->become_candidate(&object, now)) mine->leave_table(object);
+  }
+  void condemn(void* object) noexcept override {
+    auto& state = access::header_of(*static_cast<T*>(object)).state;
+    std::uint64_t now = policy::load(state);
+    do {
+      if (state_word{now}.is_retired()) return;
+    } while (!policy::compare_exchange(state, now, now | state_word::retired_flag));
+    base::add(this->doors_[base::collectors_door].retired, 1);
+  }
+  void leave(void* object) noexcept override {
+    base::add(this->stuck_, std::uint64_t{0} - 1);
+    leave_table(*static_cast<T*>(object));
+  }
+
+  bool decide(runtime::work_limit<env>& limit, std::size_t& reclaimed) noexcept override {
+    std::size_t left = 0;
+    std::size_t destroyed = 0;
+    bool more = true;
+    limit.other_objects();
+    for (; more && !notes_.empty(); more = limit.spend()) {
+      if (const entry* const soon = notes_.soon()) __builtin_prefetch(soon->object, 1);
+      const entry e = notes_.take();
+      ++left;
+      if (!is_dead(e) || !has_expired(e)) continue;
+      // The destructor may do anything, push objects of this type included.
+      destroy_object(e.object);
+      ++destroyed;
+    }
+    base::add(this->left_, left);
+    base::add(this->reclaimed_, destroyed);
+    base::add(this->doors_[base::collectors_door].ended, destroyed);
+    reclaimed += destroyed;
+    return more;
+  }
+
+ private:
+  struct entry {
+    T* object;
+    std::uint64_t noted;
+  };
+
+  /// Else the object is where it belongs afterwards.
+  bool is_dead(const entry& e) noexcept {
+    auto& header = access::header_of(*e.object);
+    std::uint64_t now = policy::load(header.state);
+    for (;;) {
+      const state_word w{now};
+      if (w.count() == 0) {
+        if (w.same_references({e.noted})) return true;
+        if (auto* const block = this->block_of(e.object)) block->disturbed();
+        push(e.object);
+        return false;
+      }
+      if (is_candidate(now)) {
+        if (!become_candidate(e.object, now)) push(e.object);
+        return false;
+      }
+      if (auto* const block = this->block_of(e.object)) block->undisturbed();
+      if (clear_queued(header, now)) return false;
+    }
+  }
+
+  /// Clears `queued`, or pushes the object.
+  void leave_table(T& object) noexcept {
+    auto& header = access::header_of(object);
+    std::uint64_t now = policy::load(header.state);
+    do {
+      const state_word w{now};
+      if (w.is_retired() || (w.count() == 0 && reclaimer_of<T>::at_zero)) {
+        push(&object);
+        return;
+      }
+    } while (!clear_queued(header, now));
+  }
+  /// The object leaves, or @p now is its word.
+  template <class Header>
+  bool clear_queued(Header& header, std::uint64_t& now) noexcept {
+    // (13) published by clearing the flag: compare_exchange (6) releases.
+    header.link.store(this, std::memory_order_relaxed);
+    return policy::compare_exchange(header.state, now, now & ~state_word::queued_flag);
+  }
+
+  /// Whether no weak handle leads to the object any more, which is dead otherwise. Else they expire now, unless
+  /// somebody locks one; and the object enters anew.
+  bool has_expired(const entry& e) noexcept {
+    auto* const block = this->block_of(e.object);
+    if (block == nullptr || block->is_dead()) return true;
+    if (!runtime::decide_alone(this->domain.collection.trial().decision(), *block,
+                               [&] { return seal(e.object, e.noted); }) &&
+        state_word{word_of(e.object)}.count() == 0)
+      block->disturbed();
+    push(e.object);
+    return false;
+  }
+
+  /// Retired, described, and still referred to: in place of leaving, it is tried.
+  static constexpr bool is_candidate(std::uint64_t word) noexcept {
+    return has_edges<T>::value && state_word{word}.count() != 0 && state_word{word}.is_retired();
+  }
+  /// False if there is no memory.
+  bool become_candidate(T* object, std::uint64_t word) noexcept {
+    auto* const c = this->domain.collection.trial().add(object, *this, word);
+    if (c == nullptr) return false;
+    // (11) read by collectors alone.
+    access::header_of(*object).link.store(candidate::link_to(c), std::memory_order_relaxed);
+    base::add(this->stuck_, 1);
+    return true;
+  }
+
+  // The collector's:
+  note_list<entry> notes_;
+  T* taken_ = nullptr;       // what is left of a door's stack
+  std::size_t at_door_ = 0;  // the next door
+};
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/domain.hpp ----
+/// @file
+/// Domains: what objects, threads and collectors share; grace periods; collecting.
+///
+/// **States.** The domain has an epoch, a number that only grows. Each mutator has a record: 0 while it
+/// is offline, else an epoch that it read at its last quiescent state.
+///
+/// **Grace period.** A collector advances the epoch to `g`. The grace period is over when each record is
+/// 0 or at least `g`.
+///
+/// **Argument.** Let a reference be unlinked before the collector advances the epoch. A mutator with a
+/// record of `g` or more has *read* that epoch, which the collector wrote after the unlinking: what the
+/// mutator reads from then on cannot be the unlinked pointer, and what it had borrowed before, it gave
+/// up. A mutator that was offline when the collector looked changes the epoch, by a read-modify-write,
+/// before it reads anything: either after the collector's advance, and it sees the unlinking; or before
+/// it, and the collector, whose advance is a read-modify-write too, sees its record. So when the grace
+/// period is over nobody has a pointer that was borrowed through the unlinked reference.
+///
+/// Quiescent-state-based reclamation: Hart, McKenney, Brown and Walpole 2007. Orders:
+/// docs/memory-model.md.
+
+#include <algorithm>
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// What objects, threads and collectors share: one per SLAM system.
+///
+/// An object belongs to the domain that is current on the thread that makes it: that of its innermost
+/// mutator, or default_domain() on a thread that has none. While destructors run in collect(), the current
+/// domain is the one that collects.
+///
+/// Thread-safety: unless they say otherwise, operations may be called by any thread at any time. None waits for a
+/// grace period except synchronize() and drain(). After fork() the child has the mutators of threads that it does
+/// not have: it must not use the domain.
+template <class Env>
+class basic_domain {
+ public:
+  /// An empty domain. Throws std::bad_alloc.
+  basic_domain() : state_(new runtime::domain_state<Env>) {}
+  /// Reclaims what nobody can see. If objects are left, their number and types are printed to the
+  /// standard error stream; they stay valid, and are not reclaimed any more. No other thread may be
+  /// collecting; mutators may outlive it.
+  ~basic_domain() {
+    if (!never_reclaims()) {
+      const collected last = state_->collection.collect(*state_, {}, true);
+      SLAMGC_ASSERT(last.result != outcome::busy,
+                    (misuse{"ends a domain that is being collected", "domain", this, 0}));
+      (void)last;
+    }
+    for (table* t = state_->tables(); t != nullptr; t = t->next)
+      if (const std::uint64_t live = t->live())
+        std::fprintf(stderr, "slamgc: a domain ends while %llu objects of type %s exist\n",
+                     static_cast<unsigned long long>(live), t->type_name);
+    state_->release();
+  }
+  basic_domain(const basic_domain&) = delete;
+  basic_domain& operator=(const basic_domain&) = delete;
+
+  /// Reclaims, within @p limit, what nobody can see any more. Never waits.
+  ///
+  /// Destructors run on the calling thread, outside of any lock; they may retire, make and count objects, and
+  /// call collect(), which does nothing then. One thread collects at a time. Objects that enter while a grace period
+  /// is open wait for the next one. O(objects handled + types + mutators).
+  collected collect(budget limit = {}) noexcept { return collect(limit, false); }
+
+  /// Waits for a grace period: afterwards nobody holds a pointer that was borrowed through a reference
+  /// which was unlinked before.
+  [[nodiscard]] waited synchronize(
+      std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) noexcept {
+    if (is_online() || is_collecting()) return waited::refused;
+    const std::uint64_t target = state_->advance();
+    return wait(timeout, [&] { return state_->behind(target) == nullptr; });
+  }
+
+  /// Collects until nothing waits any more, and waits for the grace periods that this takes.
+  [[nodiscard]] waited drain(
+      std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) noexcept {
+    if (is_online() || is_collecting()) return waited::refused;
+    bool refused = false;
+    const auto begin = clock::now();
+    const auto ends_with = [&] {
+      budget left;
+      left.time = timeout - std::min<std::chrono::nanoseconds>(timeout, clock::now() - begin);
+      return collect(left, true).result;
+    };
+    const waited result = wait(timeout, [&] {
+      const outcome now = ends_with();
+      refused = now == outcome::refused;
+      // The first call may only have ended what an earlier one began.
+      return refused || (now == outcome::done && ends_with() == outcome::done);
+    });
+    return refused ? waited::refused : result;
+  }
+
+  /// The numbers of now. Exact while no thread changes them. Throws std::bad_alloc. O(types + mutators).
+  [[nodiscard]] domain_stats stats() const {
+    domain_stats all;
+    for (table* t = state_->tables(); t != nullptr; t = t->next) all.types.push_back(t->stats());
+    const auto& collection = state_->collection;
+    for (auto* r = state_->first_record(); r != nullptr; r = r->next) {
+      if (!r->taken.load(std::memory_order_relaxed)) continue;            // (12)
+      const std::uint64_t at = r->epoch.load(std::memory_order_relaxed);  // (12)
+      mutator_stats m;
+      m.name = r->name.load(std::memory_order_relaxed);  // (12)
+      m.online = at != record::offline;
+      m.delays = m.online && at < collection.open();
+      all.mutators.push_back(m);
+    }
+    all.delayed = collection.delayed(*state_);
+    all.grace_periods = collection.grace_periods();
+    all.longest_collect = collection.longest();
+    all.refused_collects = collection.refused();
+    return all;
+  }
+
+  /// Whom reclamation waits for, and how much. Allocates nothing. O(types + mutators).
+  [[nodiscard]] delay delayed() const noexcept { return state_->collection.delayed(*state_); }
+
+  /// Calls @p hook in collect(), on its thread, whenever it ends because it waits for a mutator while more
+  /// than @p limit objects wait. It must not throw. Not to be called while another thread collects.
+  void on_backlog(std::uint64_t limit, void (*hook)(const delay&, void* context),
+                  void* context = nullptr) noexcept {
+    state_->collection.on_backlog(limit, hook, context);
+  }
+
+  /// Calls @p hooks in collect() from now on; null: nobody. They must outlive the domain, or be replaced before. Not to be called
+  /// while another thread collects.
+  void install(collector_hooks* hooks) noexcept { state_->collection.install(*state_, hooks); }
+
+ private:
+  using outcome = collected::outcome;
+  using clock = runtime::clock_of<Env>;
+  using table = runtime::table_base<Env>;
+  using record = runtime::mutator_record<Env>;
+  using participant = runtime::participant<Env>;
+  using participants = runtime::participants<Env>;
+
+  friend struct detail::domain_access;
+  explicit basic_domain(runtime::domain_state<Env>& shared) noexcept : state_(&shared) {}
+
+  collected collect(const budget& limit, bool thorough) noexcept {
+    if (never_reclaims()) {
+      SLAMGC_ASSERT(false, (misuse{"collects on a thread that never reclaims", "domain", this, 0}));
+      state_->collection.refuse();
+      return {outcome::refused, 0};
+    }
+    return state_->collection.collect(*state_, limit, thorough);
+  }
+  bool is_online() const noexcept {
+    return participants::any_in(*state_, [](const participant& p) { return p.online; });
+  }
+  bool is_collecting() const noexcept {
+    return participants::any_in(*state_, [](const participant& p) { return p.record == nullptr; });
+  }
+  static bool never_reclaims() noexcept {
+    for (auto* p = participants::of_this_thread().innermost; p != nullptr; p = p->outer)
+      if (p->never_reclaim && p->online) return true;
+    return false;
+  }
+
+  template <class Condition>
+  static waited wait(std::chrono::nanoseconds timeout, Condition condition) noexcept {
+    constexpr std::chrono::nanoseconds longest_pause = std::chrono::milliseconds(1);
+    constexpr std::chrono::nanoseconds step{100};
+    const auto begin = clock::now();
+    for (std::chrono::nanoseconds pause{0}; !condition(); pause += pause / 2 + step) {
+      if (clock::now() - begin >= timeout) return waited::timed_out;
+      if (pause > longest_pause) pause = longest_pause;
+      clock::pause(pause);
+    }
+    return waited::done;
+  }
+
+  runtime::domain_state<Env>* const state_;
+};
+
+namespace detail {
+
+struct domain_access {
+  template <class Env>
+  static runtime::domain_state<Env>& state_of(const basic_domain<Env>& domain) noexcept {
+    return *domain.state_;
+  }
+  template <class Env>
+  static basic_domain<Env>& shared() {
+    static basic_domain<Env>& forever = *new basic_domain<Env>(runtime::default_state<Env>());
+    return forever;
+  }
+};
+
+}  // namespace detail
+
+/// The domain of threads that have no mutator. Made on first use, never destroyed: the destructors of
+/// static objects may use it. One per process, in shared libraries too, unless one of them is loaded by `dlopen`
+/// with RTLD_LOCAL or linked with -Bsymbolic: those need a domain that is handed to them.
+template <class Env>
+[[nodiscard]] basic_domain<Env>& basic_default_domain() {
+  return detail::domain_access::shared<Env>();
+}
+/// The default domain of ordinary programs.
+[[nodiscard]] inline domain& default_domain() { return basic_default_domain<std_env>(); }
+
+namespace detail {
+
+/// The domain of the thread's innermost mutator, or the default one.
+template <class Env>
+runtime::domain_state<Env>& current_domain() {
+  const auto* const me = runtime::participants<Env>::of_this_thread().innermost;
+  return me != nullptr ? *me->domain : domain_access::state_of(basic_default_domain<Env>());
+}
+
+}  // namespace detail
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+namespace detail {
+
+/// Where new objects of T on this thread belong, as it was found the last time.
+template <class T>
+struct current_place {
+  using env = typename policy_of<T>::env;
+
+  std::uint64_t key;  // of the thread's innermost part, and one more
+  zero_count_table<T>* table;
+  runtime::table_door<env>* door;
+
+  /// Throws std::bad_alloc, the first time in a domain.
+  static const current_place& get() {
+    current_place& last = env::template thread_record<current_place>();
+    const runtime::participants<env>& now = runtime::participants<env>::of_this_thread();
+    if (__builtin_expect(last.key != now.current + 1, false)) last.find(now);
+    return last;
+  }
+
+ private:
+  __attribute__((noinline)) void find(const runtime::participants<env>& now) {
+    table = &zero_count_table<T>::in(detail::current_domain<env>());
+    runtime::participant<env>* ignored;
+    door = &table->my_door(ignored);
+    key = now.current + 1;
+  }
+};
+
+/// The table of T in the domain of the thread's innermost part, if there are both: for who must not throw.
+template <class T>
+zero_count_table<T>* known_table() noexcept {
+  const auto* const me =
+      runtime::participants<typename policy_of<T>::env>::of_this_thread().innermost;
+  return me != nullptr ? zero_count_table<T>::find(*me->domain) : nullptr;
+}
+
+/// Whether the calling thread may have borrowed from @p domain: it takes part there, or borrows nowhere.
+template <class Env>
+bool may_borrow_from(const runtime::domain_state<Env>& domain) noexcept {
+  using all = runtime::participants<Env>;
+  return all::borrower() == nullptr ||
+         all::any_in(domain, [](const runtime::participant<Env>&) { return true; });
+}
+
+/// What both reclaimers do. `AtZero`: an object that was not retired is reclaimed, too.
+template <bool AtZero>
+struct deferred : deferred_base {
+  static constexpr bool at_zero = AtZero;
+
+  /// Removes a reference. An object that nobody refers to waits for a collector. Lock-free; never
+  /// allocates, destroys or fails.
+  template <class T>
+  static void release(T* object) noexcept {
+    using policy = policy_of<T>;
+    auto& state = access::header_of(*object).state;
+    std::uint64_t now = policy::load(state);
+    for (;;) {
+      const state_word w{now};
+      SLAMGC_ASSERT(w.count() != 0,
+                    (misuse_of(object, "removes a reference that was never counted")));
+      if (w.count() == 0 || w.is_saturated()) return;
+      // Not afterwards: it may be gone then.
+      if (w.count() == 1 && watch() != nullptr) watch()->falls_to_zero(object, type_name<T>::get());
+      // The fall to zero and `queued` are one change. Between two, a collector could bring the object through
+      // the table and free it, and this thread, if it is no mutator, would touch it afterwards.
+      const bool enters = w.count() == 1 && !w.is_queued() && (AtZero || w.is_retired());
+      const std::uint64_t then =
+          now - state_word::count_unit + (enters ? state_word::queued_flag : 0);
+      if (policy::compare_exchange(state, now, then)) {
+        if (enters) zero_count_table<T>::of(*object)->push(object);
+        return;
+      }
+    }
+  }
+
+  /// The table of the object's type in the current domain. Throws std::bad_alloc, the first time.
+  template <class T>
+  static void* first_link() {
+    const auto& here = current_place<T>::get();
+    here.table->add(*here.door, &runtime::table_door<typename policy_of<T>::env>::created);
+    return here.table;
+  }
+  /// The program itself deletes an object, which has to be in no table.
+  template <class T>
+  static void last_link(void* table) noexcept {
+    using env = typename policy_of<T>::env;
+    auto& mine = *static_cast<zero_count_table<T>*>(table);
+    runtime::participant<env>* ignored;
+    mine.add(mine.my_door(ignored), &runtime::table_door<env>::ended);
+  }
+
+  /// Nothing is destroyed while a count changes, so there is nothing to hold back.
+  template <class T>
+  struct scope {
+    scope() noexcept {}  ///< Does nothing.
+  };
+};
+
+}  // namespace detail
+
+/// Reclaimer: an object whose count falls to zero is destroyed by a collector of its domain, once no
+/// mutator can have a borrowed pointer to it, unless a reference was added meanwhile. So is an object
+/// that was retired and that nobody refers to.
+struct reclaim_deferred : detail::deferred<true> {};
+
+/// Reclaimer: as reclaim_deferred, but only what was retired is destroyed (ORB-SLAM's `isBad`). An object
+/// that nobody refers to and that was not retired stays.
+///
+/// With mutators, this is the retire set of the thesis (chapter 4.3): retire() puts the object into the set,
+/// and collect() at the end of culling is the scan.
+struct reclaim_retired : detail::deferred<false> {};
+
+/// Declares *p dead: it is destroyed once its count is zero and no mutator can have a borrowed
+/// pointer to it. Objects that were never counted, too. Returns false if it was retired before or is null,
+/// and does nothing then.
+///
+/// By an online mutator of the object's domain, or by a thread that keeps a counted reference and is no mutator of
+/// another domain only, which is reported unless the object waits already. (If it does, it counts in stats() as retired
+/// in the domain of the calling thread's mutator, or not at all.) Lock-free; never allocates or destroys.
+template <class T>
+bool retire(T* p) noexcept {
+  static_assert(detail::is_deferred<T>::value,
+                "slamgc: only objects with a deferred reclaimer can be retired");
+  using policy = detail::policy_of<T>;
+  using env = typename policy::env;
+  using object = detail::object_of<T>;
+  if (p == nullptr) return false;
+  auto* const target = const_cast<object*>(static_cast<const object*>(p));
+  if (detail::was_reclaimed(target)) {
+    SLAMGC_ASSERT(
+        false, (misuse{"retires an object that was reclaimed", detail::type_name<T>::get(), p, 0}));
+    return false;
+  }
+  auto& state = detail::access::header_of(*target).state;
+  std::uint64_t now = policy::load(state);
+  for (;;) {
+    const state_word w{now};
+    SLAMGC_ASSERT(!(w.is_retired() && detail::reports_double_retire()),
+                  (detail::misuse_of(target, "retires an object that was retired before")));
+    if (w.is_retired()) return false;
+    // With described edges it is a candidate for trial deletion, whoever refers to it.
+    const bool enters = !w.is_queued() && (w.count() == 0 || detail::has_edges<object>::value);
+    // Of an object that is queued the link names no table. It is counted as one of the thread's domain, which is
+    // its own unless the thread lives by a counted reference.
+    auto* const table = w.is_queued() ? detail::known_table<object>()
+                                      : detail::zero_count_table<object>::of(*target);
+    const std::uint64_t then =
+        now | state_word::retired_flag | (enters ? state_word::queued_flag : 0);
+    if (!policy::compare_exchange(state, now, then)) continue;
+    if (detail::watch() != nullptr)
+      detail::watch()->retired(target, detail::type_name<object>::get());
+    if (table == nullptr) return true;
+    SLAMGC_ASSERT(detail::may_borrow_from(table->domain),
+                  (misuse{"retires an object of another domain than the thread's",
+                          detail::type_name<T>::get(), p, w.count()}));
+    runtime::participant<env>* me;
+    auto& door = table->my_door(me);
+    table->add(door, &runtime::table_door<env>::retired);
+    if (enters) table->push(target, door, me);
+    return true;
+  }
+}
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/rc_slot.hpp ----
+/// @file
+/// The counted pointer for members: an edge of the graph.
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// Counted pointer for a member of an object: what was `KeyFrame* mpParent;` becomes
+/// `slamgc::rc_slot<KeyFrame> mpParent;`, and the code that uses it stays.
+///
+/// Reading is a load and gives a borrowed pointer, exactly as a raw member does. Assignment is an
+/// atomic exchange, unless the pointer is there already: several threads may assign one slot without a
+/// lock, and each old pointer is released once. It is as large as a pointer; `T` may be incomplete where the member is declared.
+///
+/// Thread-safety: any thread may read or assign at any time. A pointer that was *read* is safe to use
+/// or to count only while something else keeps the object: a lock under which all writers assign, a
+/// reference of the reader's own, or a grace period. Copying, moving and swapping read the other
+/// slot, so the same holds for them. All operations are O(1), apart from a destructor that the last
+/// reference sets off.
+template <class T, class Env>
+class rc_slot {
+  static_assert(!std::is_pointer<T>::value,
+                "slamgc: write rc_slot<KeyFrame>, not rc_slot<KeyFrame*>");
+
+ public:
+  /// What it points to.
+  using element_type = T;
+
+  /// Null.
+  constexpr rc_slot() noexcept = default;
+  /// Null. A template, so that `NULL` is taken as a pointer.
+  template <class Null, class = std::enable_if_t<std::is_same<Null, std::nullptr_t>::value>>
+  constexpr rc_slot(Null) noexcept {}
+  /// Refers to @p p. Explicit, so that `condition ? slot : pointer` stays a pointer.
+  explicit rc_slot(T* p) noexcept : p_((detail::add_reference(p), p)) {}
+  /// Refers to the same object as @p p, as its base or as const.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  explicit rc_slot(const intrusive_rc<U>& p) noexcept : rc_slot(static_cast<T*>(p.get())) {}
+  /// Takes over the reference of @p p, as its base or as const.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  explicit rc_slot(intrusive_rc<U>&& p) noexcept : p_(moved(p.detach())) {}
+  /// Another reference to the same object.
+  rc_slot(const rc_slot& other) noexcept : rc_slot(other.get()) {}
+  /// Moves the reference here; @p other becomes null.
+  rc_slot(rc_slot&& other) noexcept : p_(moved(other.replace(nullptr))) {}
+  /// Removes the reference.
+  ~rc_slot() { detail::drop_reference(replace(nullptr)); }
+
+  /// Refers to @p p. Costs a load if it does already: references that are set in every frame mostly do.
+  rc_slot& operator=(T* p) noexcept {
+    if (get() == p) return *this;
+    detail::add_reference(p);
+    detail::drop_reference(replace(p));
+    return *this;
+  }
+  /// Refers to the same object as @p other.
+  rc_slot& operator=(const rc_slot& other) noexcept { return *this = other.get(); }
+  /// Moves the reference here; @p other becomes null.
+  rc_slot& operator=(rc_slot&& other) noexcept {
+    detail::drop_reference(replace(moved(other.replace(nullptr))));
+    return *this;
+  }
+  /// Refers to the same object as @p p, as its base or as const.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  rc_slot& operator=(const intrusive_rc<U>& p) noexcept {
+    return *this = static_cast<T*>(p.get());
+  }
+  /// Takes over the reference of @p p, as its base or as const.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  rc_slot& operator=(intrusive_rc<U>&& p) noexcept {
+    detail::drop_reference(replace(moved(p.detach())));
+    return *this;
+  }
+
+  /// The pointer: borrowed.
+  [[nodiscard]] T* get() const noexcept {
+    return p_.load(std::memory_order_acquire);  // (9) sees the object that (10) published.
+  }
+  /// The pointer: borrowed.
+  [[nodiscard]] operator T*() const noexcept { return get(); }
+  /// The object's members. Not for a null slot.
+  [[nodiscard]] T* operator->() const noexcept { return get(); }
+  /// The object. Not for a null slot.
+  [[nodiscard]] T& operator*() const noexcept { return *get(); }
+
+  /// Refers to @p p and gives the old reference to the caller.
+  [[nodiscard]] intrusive_rc<T> exchange(T* p) noexcept {
+    detail::add_reference(p);
+    return intrusive_rc<T>(moved(replace(p)), false);
+  }
+  /// If it refers to @p expected: refers to @p p and returns true. Else nothing changes.
+  bool compare_exchange(T* expected, T* p) noexcept {
+    detail::add_reference(p);
+    // (10) as replace(): a failure reads nothing that anybody uses.
+    const bool done = p_.compare_exchange_strong(expected, p, std::memory_order_acq_rel,
+                                                 std::memory_order_relaxed);  // (10)
+    detail::drop_reference(done ? expected : p);
+    return done;
+  }
+  /// Becomes null.
+  void reset() noexcept { *this = static_cast<T*>(nullptr); }
+
+  /// Exchanges the references of two slots. No reader of either sees null in between.
+  void swap(rc_slot& other) noexcept {
+    // Another thread may assign either slot meanwhile: what this one puts away is what it finds.
+    T* const mine = get();
+    detail::add_reference(mine);
+    T* const theirs = moved(other.replace(mine));
+    detail::drop_reference(replace(theirs));
+  }
+
+ private:
+  /// Stores @p p, which is counted already; whatever stood here is the caller's.
+  T* replace(T* p) noexcept {
+    // (10) release: publishes the object and its count to (9) and (10); acquire: the caller may be
+    // the one that destroys the old object, which another thread's (10) published.
+    return p_.exchange(p, std::memory_order_acq_rel);
+  }
+  static T* moved(T* p) noexcept {
+    detail::move_reference(p);
+    return p;
+  }
+
+  typename Env::template atomic<T*> p_{nullptr};
+};
+
+/// Whether both point to the same object.
+template <class T, class Env, class U>
+[[nodiscard]] bool operator==(const rc_slot<T, Env>& a, const intrusive_rc<U>& b) noexcept {
+  return a.get() == b.get();
+}
+/// Whether both point to the same object.
+template <class T, class U, class Env>
+[[nodiscard]] bool operator==(const intrusive_rc<T>& a, const rc_slot<U, Env>& b) noexcept {
+  return a.get() == b.get();
+}
+/// Whether they point to different objects.
+template <class T, class Env, class U>
+[[nodiscard]] bool operator!=(const rc_slot<T, Env>& a, const intrusive_rc<U>& b) noexcept {
+  return a.get() != b.get();
+}
+/// Whether they point to different objects.
+template <class T, class U, class Env>
+[[nodiscard]] bool operator!=(const intrusive_rc<T>& a, const rc_slot<U, Env>& b) noexcept {
+  return a.get() != b.get();
+}
+
+/// Exchanges the references of two slots.
+template <class T, class Env>
+void swap(rc_slot<T, Env>& a, rc_slot<T, Env>& b) noexcept {
+  a.swap(b);
+}
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// A side block with room for the record. Does not depend on T until an object is buried.
+template <class T, class Record, class Env>
+class record_block final : public counted_block<Env> {
+ public:
+  using counted_block<Env>::counted_block;
+
+  void bury() noexcept override {
+    const auto* const owner = static_cast<const block_owner<T, Env>*>(this->owner());
+    bury(const_cast<T&>(static_cast<const T&>(*owner)));
+  }
+  void bury(T& object) noexcept {
+    record_.reset();  // of an earlier decision, which was vetoed
+    record_.emplace(object.record());
+  }
+  /// Of a dead block.
+  const Record& record() const noexcept { return *record_; }
+  /// Of an object that nobody buried.
+  void lose_record() noexcept { record_.emplace(); }
+
+ private:
+  std::optional<Record> record_;
+};
+
+}  // namespace detail
+
+/// Base class of objects that leave a record, beside rc_object:
+///
+/// ```
+/// class KeyFrame : public slamgc::rc_object<KeyFrame, slamgc::fetch_add_counter, slamgc::reclaim_retired>,
+///                  public slamgc::enable_anchor<KeyFrame, PoseRecord> {
+///  public:
+///   PoseRecord record() { return {mnId, mTcp, slamgc::anchor<KeyFrame, PoseRecord>(mpParent)}; }
+/// ```
+///
+/// `record()` is called by a collector when nobody can see the object any more, before it and what dies with it loses an
+/// edge; more than once, if somebody locks the object at the last moment. It may take the program's locks that edges() may take, must not
+/// throw, and should be quick. Weak handles to these objects work, too.
+///
+/// Adds one pointer; each object has a side block with room for the record, which is allocated with it, so that its end needs
+/// no memory. A copy of an object has a block of its own; assignment leaves it alone.
+///
+/// A program that itself deletes an object to which there are anchors says bury() first, in the class's destructor at the
+/// latest, and that no thread uses it then. If it does not, that is reported, and the record is `Record()`.
+///
+/// @tparam T      The class that derives from rc_object, with reclaim_deferred or reclaim_retired.
+/// @tparam Record What `T::record()` returns; default constructible and movable. It may hold anchors, to a parent or a
+///                predecessor, but not in a circle: records are counted, and nobody looks for cycles among them.
+/// @tparam Env    The environment of T's counter policy.
+template <class T, class Record, class Env>
+class enable_anchor : public detail::block_owner<T, Env> {
+ protected:
+  /// Allocates the block. Throws std::bad_alloc.
+  enable_anchor() : detail::block_owner<T, Env>(make_block()) {
+    static_assert(detail::is_deferred<T>::value,
+                  "slamgc: anchors need a deferred reclaimer: another thread could destroy the "
+                  "object before it is read");
+  }
+  /// A copy is a new object.
+  enable_anchor(const enable_anchor&) : enable_anchor() {}
+  /// Anchors refer to the object, not to its value: nothing changes.
+  enable_anchor& operator=(const enable_anchor&) noexcept { return *this; }
+  /// Reports if anchors are left and there is no record.
+  ~enable_anchor() {
+    block& mine = my_block();
+    if (mine.is_dead()) return;
+    SLAMGC_ASSERT(mine.use_count() == 1,
+                  (misuse{"deletes an object that anchors refer to, without bury()",
+                          detail::type_name<T>::get(), this, mine.use_count() - 1}));
+    mine.lose_record();
+  }
+
+  /// For an object that the program itself deletes: makes its record now, and lets its handles expire. Nothing
+  /// happens if it has one already.
+  void bury() noexcept {
+    block& mine = my_block();
+    if (mine.is_dead()) return;
+    mine.bury(static_cast<T&>(*this));
+    mine.expire();
+  }
+
+ private:
+  using block = detail::record_block<T, Record, Env>;
+  friend class anchor<T, Record, Env>;
+
+  intrusive_rc<detail::counted_block<Env>> make_block() const {
+    return intrusive_rc<detail::counted_block<Env>>(
+        new block(static_cast<const detail::block_owner<T, Env>*>(this)));
+  }
+  block& my_block() const noexcept { return static_cast<block&>(*this->get()); }
+};
+
+/// Refers to an object without keeping it, and to the record that it leaves when it is reclaimed.
+///
+/// Whoever reads it gets one of the two. The records of objects that die together are all there before one of them loses
+/// an edge, and records may hold anchors themselves: a chain of them keeps each hop, in whatever order the objects go.
+/// `sizeof(anchor<T, Record>) == sizeof(T*)`. For expiry see weak_rc.
+///
+/// Thread-safety: as `std::shared_ptr`: different anchors by any threads at any time; one that somebody changes needs the
+/// program's lock. A record does not change. All operations are lock-free and O(1).
+template <class T, class Record, class Env>
+class anchor {
+ public:
+  using element_type = T;      ///< What it refers to.
+  using record_type = Record;  ///< What is left of it.
+
+  /// Null: refers to nothing.
+  constexpr anchor() noexcept = default;
+  /// Null: refers to nothing.
+  constexpr anchor(std::nullptr_t) noexcept {}
+  /// Refers to @p p. By an online mutator of the object's domain, or who holds a counted reference.
+  explicit anchor(T* p) noexcept
+      : block_(p != nullptr ? detail::owner_of<Env>(*p).get() : nullptr) {
+    static_assert(
+        std::is_base_of<enable_anchor<T, Record, Env>, T>::value,
+        "slamgc: an anchor<T, Record> refers to a T that derives from enable_anchor<T, Record>");
+  }
+  /// Refers to the same object.
+  anchor(const intrusive_rc<T>& p) noexcept : anchor(p.get()) {}
+  /// Refers to the same object.
+  anchor(const rc_slot<T, Env>& p) noexcept : anchor(p.get()) {}
+
+  /// Whether it refers to an object or a record.
+  [[nodiscard]] explicit operator bool() const noexcept { return block_ != nullptr; }
+
+  /// Calls `on_object(T&)`, and keeps the object meanwhile; or `on_record(const Record&)`, if the object has expired.
+  /// Returns what they return. On an online mutator of the object's domain. Not of a null anchor.
+  template <class OnObject, class OnRecord>
+  std::common_type_t<std::invoke_result_t<OnObject, T&>,
+                     std::invoke_result_t<OnRecord, const Record&>>
+  read(OnObject&& on_object, OnRecord&& on_record) const {
+    SLAMGC_ASSERT(block_ != nullptr,
+                  (misuse{"reads a null anchor", detail::type_name<T>::get(), nullptr, 0}));
+    if (const intrusive_rc<T> object = lock()) return std::forward<OnObject>(on_object)(*object);
+    return std::forward<OnRecord>(on_record)(my_block().record());
+  }
+  /// A reference to the object, or null if it has expired. On an online mutator of the object's domain.
+  [[nodiscard]] intrusive_rc<T> lock() const noexcept {
+    SLAMGC_ASSERT(block_ == nullptr || runtime::participants<Env>::borrower() != nullptr,
+                  (misuse{"reads an anchor on a thread that is no online mutator",
+                          detail::type_name<T>::get(), block_.get(), 0}));
+    if (block_ == nullptr) return nullptr;
+    return intrusive_rc<T>(detail::lock<T>(*block_), false);
+  }
+  /// The record, or null while the object has not expired. Valid as long as an anchor to it exists. By any thread.
+  [[nodiscard]] const Record* record() const noexcept {
+    return block_ != nullptr && block_->is_dead() ? &my_block().record() : nullptr;
+  }
+
+  /// Becomes null.
+  void reset() noexcept { block_.reset(); }
+  /// Exchanges two anchors.
+  void swap(anchor& other) noexcept { block_.swap(other.block_); }
+
+  /// Whether both refer to the same object, dead or alive, or both are null.
+  [[nodiscard]] friend bool operator==(const anchor& a, const anchor& b) noexcept {
+    return a.block_ == b.block_;
+  }
+  /// Whether they refer to different objects.
+  [[nodiscard]] friend bool operator!=(const anchor& a, const anchor& b) noexcept {
+    return a.block_ != b.block_;
+  }
+
+ private:
+  const detail::record_block<T, Record, Env>& my_block() const noexcept {
+    return static_cast<const detail::record_block<T, Record, Env>&>(*block_);
+  }
+
+  intrusive_rc<detail::counted_block<Env>> block_;
+};
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+// ---- slamgc/atomic_rc.hpp ----
+/// @file
+/// A counted member that hands out references of the reader's own.
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
 
 /// Like rc_slot, plus load(), which returns a counted reference, and compare-and-exchange: what
 /// `std::atomic<std::shared_ptr<T>>` is, without a lock.
@@ -4489,6 +5617,11 @@ class borrow {
                   (misuse{"borrows on a thread that is no online mutator",
                           detail::type_name<T>::get(), p, 0}));
     passed_ = me != nullptr ? me->passed : 0;
+    if (auto* const watch = detail::watch()) {
+      SLAMGC_ASSERT(!watch->holds(p), (misuse{"borrows an object that was reclaimed",
+                                              detail::type_name<T>::get(), p, 0}));
+      place_ = watch->here();
+    }
 #endif
   }
   /// Borrows what @p from, a slot or an element of a container, refers to now.
@@ -4519,9 +5652,10 @@ class borrow {
     const auto* me = runtime::participants<Env>::of_this_thread().innermost;
     while (me != nullptr && !(me->may_borrow() && me->passed == passed_)) me = me->outer;
     SLAMGC_ASSERT(me != nullptr, (misuse{"uses a borrowed pointer after a quiescent state",
-                                         detail::type_name<T>::get(), p_, 0}));
+                                         detail::type_name<T>::get(), p_, 0, place_}));
   }
   std::uint64_t passed_;
+  std::uint32_t place_ = 0;  // in the program, for reports
 #else
   void check() const noexcept {}
 #endif
@@ -4540,8 +5674,6 @@ class borrow {
 // ---- slamgc/detail/counted_container.hpp ----
 /// @file
 /// What all counted containers share: reading, and the ways in which counts follow a change.
-
-#include <memory>
 
 // ---- slamgc/detail/edit_scope.hpp ----
 /// @file
@@ -5870,7 +7002,7 @@ class rc_vector
 ///   void edges(Visitor& v) {
 ///     {
 ///       const std::lock_guard<std::mutex> lock(mMutexFeatures);
-///       v.edge("mvpMapPoints", mvpMapPoints);
+///       v.edge("mvpMapPoints", mvpMapPoints, slamgc::on_retire::null);
 ///     }
 ///     const std::lock_guard<std::mutex> lock(mMutexConnections);
 ///     v.edge("mpParent", mpParent);
@@ -5880,9 +7012,12 @@ class rc_vector
 ///
 /// One function per type names each counted member once. It takes the program's own locks, since other threads may
 /// change the members meanwhile; it may be called on any thread that collects, at any time while the object exists; it
-/// must not change, count or destroy anything itself, nor throw. Edges do not lead into another domain.
-/// collect() must not be called under a lock that an edges() takes. A member that is left out, or named twice, makes
-/// objects live on that nobody needs; it never makes one die too early.
+/// must not change, count or destroy anything itself. It should not throw: while it does, the object and what it refers to
+/// live on. Edges do not lead into another domain. collect() must not be called under a lock that an edges() takes. A member
+/// that is left out, or named twice, makes objects live on that nobody needs; it never makes one die too early.
+///
+/// The third argument is what becomes of the edge when its target is retired (dispositions.hpp); what is not an object but
+/// holds counted references describes them in the same way (root.hpp).
 
 // ---- slamgc/mutator.hpp ----
 /// @file
@@ -5929,7 +7064,7 @@ class basic_mutator {
         (runtime::participants<Env>::any_in(
             *me_.domain, [this](const runtime::participant<Env>& p) { return &p == &me_; })),
         (misuse{"ends a mutator on another thread than its own", "mutator", this, 0}));
-    go_offline();
+    if (me_.online) go_offline();
     while (me_.roots != nullptr) me_.roots->leave();
     me_.domain->leave(record_);
     me_.domain->release();
@@ -6051,161 +7186,6 @@ using pin_set = rc_vector<T>;
 
 }  // namespace SLAMGC_FLAVOUR
 }  // namespace slamgc
-// ---- slamgc/rc_slot.hpp ----
-/// @file
-/// The counted pointer for members: an edge of the graph.
-
-namespace slamgc {
-inline namespace SLAMGC_FLAVOUR {
-
-/// Counted pointer for a member of an object: what was `KeyFrame* mpParent;` becomes
-/// `slamgc::rc_slot<KeyFrame> mpParent;`, and the code that uses it stays.
-///
-/// Reading is a load and gives a borrowed pointer, exactly as a raw member does. Assignment is an
-/// atomic exchange, unless the pointer is there already: several threads may assign one slot without a
-/// lock, and each old pointer is released once. It is as large as a pointer; `T` may be incomplete where the member is declared.
-///
-/// Thread-safety: any thread may read or assign at any time. A pointer that was *read* is safe to use
-/// or to count only while something else keeps the object: a lock under which all writers assign, a
-/// reference of the reader's own, or a grace period. Copying, moving and swapping read the other
-/// slot, so the same holds for them. All operations are O(1), apart from a destructor that the last
-/// reference sets off.
-template <class T, class Env>
-class rc_slot {
-  static_assert(!std::is_pointer<T>::value,
-                "slamgc: write rc_slot<KeyFrame>, not rc_slot<KeyFrame*>");
-
- public:
-  /// What it points to.
-  using element_type = T;
-
-  /// Null.
-  constexpr rc_slot() noexcept = default;
-  /// Null. A template, so that `NULL` is taken as a pointer.
-  template <class Null, class = std::enable_if_t<std::is_same<Null, std::nullptr_t>::value>>
-  constexpr rc_slot(Null) noexcept {}
-  /// Refers to @p p. Explicit, so that `condition ? slot : pointer` stays a pointer.
-  explicit rc_slot(T* p) noexcept : p_((detail::add_reference(p), p)) {}
-  /// Refers to the same object as @p p, as its base or as const.
-  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
-  explicit rc_slot(const intrusive_rc<U>& p) noexcept : rc_slot(static_cast<T*>(p.get())) {}
-  /// Takes over the reference of @p p, as its base or as const.
-  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
-  explicit rc_slot(intrusive_rc<U>&& p) noexcept : p_(moved(p.detach())) {}
-  /// Another reference to the same object.
-  rc_slot(const rc_slot& other) noexcept : rc_slot(other.get()) {}
-  /// Moves the reference here; @p other becomes null.
-  rc_slot(rc_slot&& other) noexcept : p_(moved(other.replace(nullptr))) {}
-  /// Removes the reference.
-  ~rc_slot() { detail::drop_reference(replace(nullptr)); }
-
-  /// Refers to @p p. Costs a load if it does already: references that are set in every frame mostly do.
-  rc_slot& operator=(T* p) noexcept {
-    if (get() == p) return *this;
-    detail::add_reference(p);
-    detail::drop_reference(replace(p));
-    return *this;
-  }
-  /// Refers to the same object as @p other.
-  rc_slot& operator=(const rc_slot& other) noexcept { return *this = other.get(); }
-  /// Moves the reference here; @p other becomes null.
-  rc_slot& operator=(rc_slot&& other) noexcept {
-    detail::drop_reference(replace(moved(other.replace(nullptr))));
-    return *this;
-  }
-  /// Refers to the same object as @p p, as its base or as const.
-  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
-  rc_slot& operator=(const intrusive_rc<U>& p) noexcept {
-    return *this = static_cast<T*>(p.get());
-  }
-  /// Takes over the reference of @p p, as its base or as const.
-  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
-  rc_slot& operator=(intrusive_rc<U>&& p) noexcept {
-    detail::drop_reference(replace(moved(p.detach())));
-    return *this;
-  }
-
-  /// The pointer: borrowed.
-  [[nodiscard]] T* get() const noexcept {
-    return p_.load(std::memory_order_acquire);  // (9) sees the object that (10) published.
-  }
-  /// The pointer: borrowed.
-  [[nodiscard]] operator T*() const noexcept { return get(); }
-  /// The object's members. Not for a null slot.
-  [[nodiscard]] T* operator->() const noexcept { return get(); }
-  /// The object. Not for a null slot.
-  [[nodiscard]] T& operator*() const noexcept { return *get(); }
-
-  /// Refers to @p p and gives the old reference to the caller.
-  [[nodiscard]] intrusive_rc<T> exchange(T* p) noexcept {
-    detail::add_reference(p);
-    return intrusive_rc<T>(moved(replace(p)), false);
-  }
-  /// If it refers to @p expected: refers to @p p and returns true. Else nothing changes.
-  bool compare_exchange(T* expected, T* p) noexcept {
-    detail::add_reference(p);
-    // (10) as replace(): a failure reads nothing that anybody uses.
-    const bool done = p_.compare_exchange_strong(expected, p, std::memory_order_acq_rel,
-                                                 std::memory_order_relaxed);  // (10)
-    detail::drop_reference(done ? expected : p);
-    return done;
-  }
-  /// Becomes null.
-  void reset() noexcept { *this = static_cast<T*>(nullptr); }
-
-  /// Exchanges the references of two slots. No reader of either sees null in between.
-  void swap(rc_slot& other) noexcept {
-    // Another thread may assign either slot meanwhile: what this one puts away is what it finds.
-    T* const mine = get();
-    detail::add_reference(mine);
-    T* const theirs = moved(other.replace(mine));
-    detail::drop_reference(replace(theirs));
-  }
-
- private:
-  /// Stores @p p, which is counted already; whatever stood here is the caller's.
-  T* replace(T* p) noexcept {
-    // (10) release: publishes the object and its count to (9) and (10); acquire: the caller may be
-    // the one that destroys the old object, which another thread's (10) published.
-    return p_.exchange(p, std::memory_order_acq_rel);
-  }
-  static T* moved(T* p) noexcept {
-    detail::move_reference(p);
-    return p;
-  }
-
-  typename Env::template atomic<T*> p_{nullptr};
-};
-
-/// Whether both point to the same object.
-template <class T, class Env, class U>
-[[nodiscard]] bool operator==(const rc_slot<T, Env>& a, const intrusive_rc<U>& b) noexcept {
-  return a.get() == b.get();
-}
-/// Whether both point to the same object.
-template <class T, class U, class Env>
-[[nodiscard]] bool operator==(const intrusive_rc<T>& a, const rc_slot<U, Env>& b) noexcept {
-  return a.get() == b.get();
-}
-/// Whether they point to different objects.
-template <class T, class Env, class U>
-[[nodiscard]] bool operator!=(const rc_slot<T, Env>& a, const intrusive_rc<U>& b) noexcept {
-  return a.get() != b.get();
-}
-/// Whether they point to different objects.
-template <class T, class U, class Env>
-[[nodiscard]] bool operator!=(const intrusive_rc<T>& a, const rc_slot<U, Env>& b) noexcept {
-  return a.get() != b.get();
-}
-
-/// Exchanges the references of two slots.
-template <class T, class Env>
-void swap(rc_slot<T, Env>& a, rc_slot<T, Env>& b) noexcept {
-  a.swap(b);
-}
-
-}  // namespace SLAMGC_FLAVOUR
-}  // namespace slamgc
 // ---- slamgc/registry.hpp ----
 /// @file
 /// Registries: containers that own the life of what they hold, and the death of a whole map.
@@ -6248,8 +7228,8 @@ class dropped_content final : public runtime::dropped_base<typename policy_of<T>
 /// map, the death of that map.
 ///
 /// clear() and the destructor take O(1), whatever the size: they hand the container over to the domain, whose collectors retire
-/// and drop its objects in slices. (If there is no memory for that, or if moving the container could throw, it is done at
-/// once, object by object.) Until then the references stay counted. Taking single objects out, by erase() and the like, retires
+/// and drop its objects in slices. (If there is no memory for that, if moving the container could throw, or if its allocator has
+/// a state, it is done at once, object by object.) Until then the references stay counted. Taking single objects out, by erase() and the like, retires
 /// nothing. Not copied, assigned or moved as a whole.
 ///
 /// Belongs to the domain that is current on the thread that makes it, as objects do.
@@ -6278,7 +7258,10 @@ class registry : public Container {
                   "slamgc: what a registry holds needs a deferred reclaimer");
     content& mine = detail::container_access::content_of(*this);
     if (mine.empty()) return;
-    if constexpr (std::is_nothrow_move_constructible<content>::value) {
+    // What an allocator with a state refers to may end with the registry.
+    if constexpr (std::is_nothrow_move_constructible<content>::value &&
+                  std::allocator_traits<
+                      typename Container::allocator_type>::is_always_equal::value) {
       using batch = detail::dropped_content<object, content, to_pointer>;
       if (auto* const dropped = new (std::nothrow) batch(std::move(mine))) {
         mine.clear();
@@ -6400,6 +7383,7 @@ class retire_set {
       if (state_word{now}.is_retired()) return false;
     } while (!policy::compare_exchange(state, now,
                                        now | state_word::retired_flag | state_word::queued_flag));
+    if (detail::watch() != nullptr) detail::watch()->retired(object, detail::type_name<T>::get());
     push(object);
     return true;
   }
@@ -6615,3 +7599,158 @@ class scoped_count {
 #define SLAMGC_VERSION_MINOR 2
 /// Changes with corrections.
 #define SLAMGC_VERSION_PATCH 0
+// ---- slamgc/weak_rc.hpp ----
+/// @file
+/// Handles that do not keep their object.
+
+#include <functional>
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+
+/// Base class of objects that weak handles may refer to, beside rc_object:
+///
+/// ```
+/// class KeyFrame : public slamgc::rc_object<KeyFrame, slamgc::fetch_add_counter, slamgc::reclaim_retired>,
+///                  public slamgc::enable_weak_rc<KeyFrame> {
+/// ```
+///
+/// Adds one pointer. The first weak handle to an object allocates its side block, of 56 bytes on 64-bit systems. A copy of an
+/// object has no weak handles; assignment leaves them alone. Types without it pay nothing.
+///
+/// A program that itself deletes an object says that no thread uses it, not by a weak handle either; handles that
+/// are left expire.
+///
+/// @tparam T   The class that derives from rc_object, with reclaim_deferred or reclaim_retired.
+/// @tparam Env The environment of its counter policy.
+template <class T, class Env>
+class enable_weak_rc : public detail::block_owner<T, Env> {
+ protected:
+  /// No weak handle yet.
+  enable_weak_rc() noexcept {
+    static_assert(
+        detail::is_deferred<T>::value,
+        "slamgc: weak handles need a deferred reclaimer: another thread could destroy the "
+        "object before lock() has counted it");
+  }
+  /// A copy is a new object.
+  enable_weak_rc(const enable_weak_rc&) noexcept : enable_weak_rc() {}
+  /// Handles refer to the object, not to its value: nothing changes.
+  enable_weak_rc& operator=(const enable_weak_rc&) noexcept { return *this; }
+  ~enable_weak_rc() = default;
+};
+
+/// Refers to an object without keeping it: what `std::weak_ptr` is. `sizeof(weak_rc<T>) == sizeof(T*)`.
+///
+/// A plain pointer says nothing about identity across quiescent states, because addresses are used again. A weak handle
+/// does: handles are equal if they refer to the same object, for ever, also after it is gone.
+///
+/// **Expiry.** The handles of an object expire all at once, and for ever, when a collector has found that nobody can see the
+/// object but by weak handles; those of objects that only refer to each other expire by one decision: if one of them is locked
+/// in time, all live on. While a counted reference exists, handles have not expired, with one exception. A *retired* object
+/// (or one that is found at a count of zero again and again) that is disturbed in 4 rounds of collection, by references that come
+/// and go, expires although it may still be referred to: otherwise a thread that polls lock() could keep it for ever.
+///
+/// Thread-safety: as `std::shared_ptr`: different handles by any threads at any time; one handle that somebody
+/// changes needs the program's lock. All operations are lock-free and O(1).
+template <class T, class Env>
+class weak_rc {
+ public:
+  using element_type = T;  ///< What it refers to.
+
+  /// Null: refers to nothing, and is expired.
+  constexpr weak_rc() noexcept = default;
+  /// Null: refers to nothing, and is expired.
+  constexpr weak_rc(std::nullptr_t) noexcept {}
+  /// Refers to @p p. By an online mutator of the object's domain, or who holds a counted reference. Throws
+  /// std::bad_alloc, if it is the object's first.
+  explicit weak_rc(T* p) : block_(p != nullptr ? block_of(*p) : nullptr) {}
+  /// Refers to the same object.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  weak_rc(const intrusive_rc<U>& p) : weak_rc(static_cast<T*>(p.get())) {}
+  /// Refers to the same object.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value>>
+  weak_rc(const rc_slot<U, Env>& p) : weak_rc(static_cast<T*>(p.get())) {}
+  /// Refers to the same object, as its base or as const.
+  template <class U, class = std::enable_if_t<std::is_convertible<U*, T*>::value &&
+                                              !std::is_same<U, T>::value>>
+  weak_rc(const weak_rc<U, Env>& other) noexcept : block_(other.block_) {}
+
+  /// A reference to the object, or null if it has expired. On an online mutator of the object's domain.
+  ///
+  /// What it returns is counted as any other reference. A pointer taken from it is borrowed.
+  [[nodiscard]] intrusive_rc<T> lock() const noexcept {
+    SLAMGC_ASSERT(block_ == nullptr || runtime::participants<Env>::borrower() != nullptr,
+                  (misuse{"locks a weak handle on a thread that is no online mutator",
+                          detail::type_name<T>::get(), block_.get(), 0}));
+    if (block_ == nullptr) return nullptr;
+    using object = detail::object_of<T>;
+    return intrusive_rc<T>(static_cast<T*>(detail::lock<object>(*block_)), false);
+  }
+  /// Whether lock() will return null, now and for ever. False says nothing about later.
+  [[nodiscard]] bool expired() const noexcept { return block_ == nullptr || block_->is_dead(); }
+
+  /// Becomes null.
+  void reset() noexcept { block_.reset(); }
+  /// Exchanges two handles.
+  void swap(weak_rc& other) noexcept { block_.swap(other.block_); }
+
+  /// Whether both refer to the same object, dead or alive, or both are null.
+  template <class U>
+  [[nodiscard]] bool owner_equal(const weak_rc<U, Env>& other) const noexcept {
+    return block_ == other.block_;
+  }
+  /// An order of objects, dead or alive, which stays the same as long as handles to them exist.
+  template <class U>
+  [[nodiscard]] bool owner_before(const weak_rc<U, Env>& other) const noexcept {
+    return block_ < other.block_;
+  }
+  /// A hash that goes with owner_equal().
+  [[nodiscard]] std::size_t owner_hash() const noexcept {
+    return std::hash<const void*>()(block_.get());
+  }
+
+ private:
+  using block = detail::counted_block<Env>;
+  template <class U, class OtherEnv>
+  friend class weak_rc;
+
+  static intrusive_rc<block> block_of(const T& p) {
+    return intrusive_rc<block>(&detail::owner_of<Env>(p).get_or_make());
+  }
+
+  intrusive_rc<block> block_;
+};
+
+/// Exchanges two handles.
+template <class T, class Env>
+void swap(weak_rc<T, Env>& a, weak_rc<T, Env>& b) noexcept {
+  a.swap(b);
+}
+/// Whether both refer to the same object, dead or alive, or both are null.
+template <class T, class U, class Env>
+[[nodiscard]] bool operator==(const weak_rc<T, Env>& a, const weak_rc<U, Env>& b) noexcept {
+  return a.owner_equal(b);
+}
+/// Whether they refer to different objects.
+template <class T, class U, class Env>
+[[nodiscard]] bool operator!=(const weak_rc<T, Env>& a, const weak_rc<U, Env>& b) noexcept {
+  return !a.owner_equal(b);
+}
+/// An order of objects, dead or alive.
+template <class T, class U, class Env>
+[[nodiscard]] bool operator<(const weak_rc<T, Env>& a, const weak_rc<U, Env>& b) noexcept {
+  return a.owner_before(b);
+}
+
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
+/// The hash of the object's identity, which its end does not change.
+template <class T, class Env>
+struct std::hash<slamgc::weak_rc<T, Env>> {
+  /// The hash of the object's identity.
+  [[nodiscard]] std::size_t operator()(const slamgc::weak_rc<T, Env>& w) const noexcept {
+    return w.owner_hash();
+  }
+};

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "detail/object_watch.hpp"
 #include "flavour.hpp"
 
 namespace slamgc {
@@ -14,16 +15,24 @@ inline namespace SLAMGC_FLAVOUR {
 
 /// What a failed check knows about the object that was misused.
 struct misuse {
-  const char* what;     ///< What the program did, as a phrase.
-  const char* type;     ///< The object's type, as the compiler spells it.
-  const void* object;   ///< The object's address.
-  std::uint32_t count;  ///< The reference count that was found.
+  const char* what;         ///< What the program did, as a phrase.
+  const char* type;         ///< The object's type, as the compiler spells it.
+  const void* object;       ///< The object's address.
+  std::uint32_t count;      ///< The reference count that was found.
+  std::uint32_t place = 0;  ///< For print_places(): where the pointer was borrowed.
 };
+
+/// Prints where *@p m happened, and where its object came to its end, to the standard error stream, if a quarantine is at
+/// work (diagnosis/quarantine.hpp); else nothing. For a `SLAMGC_ASSERT` of the program's own.
+inline void print_places(const misuse& m) noexcept {
+  if (auto* const watch = detail::watch()) watch->print(m.object, m.place);
+}
 
 /// Prints @p m to the standard error stream and aborts. The default of `SLAMGC_ASSERT`.
 [[noreturn]] inline void abort_on(const misuse& m) noexcept {
   std::fprintf(stderr, "slamgc: %s: object %p of type %s, count %lu\n", m.what, m.object, m.type,
                static_cast<unsigned long>(m.count));
+  print_places(m);
   std::abort();
 }
 

@@ -34,6 +34,11 @@ class borrow {
                   (misuse{"borrows on a thread that is no online mutator",
                           detail::type_name<T>::get(), p, 0}));
     passed_ = me != nullptr ? me->passed : 0;
+    if (auto* const watch = detail::watch()) {
+      SLAMGC_ASSERT(!watch->holds(p), (misuse{"borrows an object that was reclaimed",
+                                              detail::type_name<T>::get(), p, 0}));
+      place_ = watch->here();
+    }
 #endif
   }
   /// Borrows what @p from, a slot or an element of a container, refers to now.
@@ -64,9 +69,10 @@ class borrow {
     const auto* me = runtime::participants<Env>::of_this_thread().innermost;
     while (me != nullptr && !(me->may_borrow() && me->passed == passed_)) me = me->outer;
     SLAMGC_ASSERT(me != nullptr, (misuse{"uses a borrowed pointer after a quiescent state",
-                                         detail::type_name<T>::get(), p_, 0}));
+                                         detail::type_name<T>::get(), p_, 0, place_}));
   }
   std::uint64_t passed_;
+  std::uint32_t place_ = 0;  // in the program, for reports
 #else
   void check() const noexcept {}
 #endif

@@ -220,6 +220,14 @@ struct transitions {
     if (__builtin_expect(before.is_saturated(), false)) saturate(s);
   }
 
+  /// As increment, for who then looks at something that a collector changes before it changes the word: an addition, but
+  /// by subtract, since that acquires.
+  static void increment_before_look(storage& s) noexcept {
+    constexpr std::uint64_t one = state_word::version_unit + state_word::count_unit;
+    const state_word before{Policy::subtract(s, std::uint64_t{0} - one)};
+    if (before.is_saturated()) saturate(s);
+  }
+
   /// A reference changes its place: the count stays, the version does not. An addition, but by
   /// subtract, since that releases: who finds the new version must find the old place empty.
   static void move(storage& s) noexcept {

@@ -75,6 +75,8 @@ struct deferred : deferred_base {
       SLAMGC_ASSERT(w.count() != 0,
                     (misuse_of(object, "removes a reference that was never counted")));
       if (w.count() == 0 || w.is_saturated()) return;
+      // Not afterwards: it may be gone then.
+      if (w.count() == 1 && watch() != nullptr) watch()->falls_to_zero(object, type_name<T>::get());
       // The fall to zero and `queued` are one change. Between two, a collector could bring the object through
       // the table and free it, and this thread, if it is no mutator, would touch it afterwards.
       const bool enters = w.count() == 1 && !w.is_queued() && (AtZero || w.is_retired());
@@ -140,10 +142,17 @@ bool retire(T* p) noexcept {
   using object = detail::object_of<T>;
   if (p == nullptr) return false;
   auto* const target = const_cast<object*>(static_cast<const object*>(p));
+  if (detail::was_reclaimed(target)) {
+    SLAMGC_ASSERT(
+        false, (misuse{"retires an object that was reclaimed", detail::type_name<T>::get(), p, 0}));
+    return false;
+  }
   auto& state = detail::access::header_of(*target).state;
   std::uint64_t now = policy::load(state);
   for (;;) {
     const state_word w{now};
+    SLAMGC_ASSERT(!(w.is_retired() && detail::reports_double_retire()),
+                  (detail::misuse_of(target, "retires an object that was retired before")));
     if (w.is_retired()) return false;
     // With described edges it is a candidate for trial deletion, whoever refers to it.
     const bool enters = !w.is_queued() && (w.count() == 0 || detail::has_edges<object>::value);
@@ -154,6 +163,8 @@ bool retire(T* p) noexcept {
     const std::uint64_t then =
         now | state_word::retired_flag | (enters ? state_word::queued_flag : 0);
     if (!policy::compare_exchange(state, now, then)) continue;
+    if (detail::watch() != nullptr)
+      detail::watch()->retired(target, detail::type_name<object>::get());
     if (table == nullptr) return true;
     SLAMGC_ASSERT(detail::may_borrow_from(table->domain),
                   (misuse{"retires an object of another domain than the thread's",

@@ -29,6 +29,7 @@
 #include "budget.hpp"
 #include "detail/clock.hpp"
 #include "detail/domain_state.hpp"
+#include "diagnosis/hooks.hpp"
 #include "env.hpp"
 #include "fwd.hpp"
 #include "stats.hpp"
@@ -107,20 +108,8 @@ class basic_domain {
 
   /// The numbers of now. Exact while no thread changes them. Throws std::bad_alloc. O(types + mutators).
   [[nodiscard]] domain_stats stats() const {
-    using door = runtime::table_door<Env>;
     domain_stats all;
-    for (table* t = state_->tables(); t != nullptr; t = t->next) {
-      type_stats s;
-      s.type = t->type_name;
-      s.object_size = t->object_size;
-      s.created = t->sum(&door::created);
-      s.live = t->live();
-      s.retired = t->sum(&door::retired);
-      s.reclaimed = t->reclaimed();
-      s.stuck = t->stuck();
-      s.backlog = t->backlog();
-      all.types.push_back(s);
-    }
+    for (table* t = state_->tables(); t != nullptr; t = t->next) all.types.push_back(t->stats());
     const auto& collection = state_->collection;
     for (auto* r = state_->first_record(); r != nullptr; r = r->next) {
       if (!r->taken.load(std::memory_order_relaxed)) continue;            // (12)
@@ -147,6 +136,10 @@ class basic_domain {
                   void* context = nullptr) noexcept {
     state_->collection.on_backlog(limit, hook, context);
   }
+
+  /// Calls @p hooks in collect() from now on; null: nobody. They must outlive the domain, or be replaced before. Not to be called
+  /// while another thread collects.
+  void install(collector_hooks* hooks) noexcept { state_->collection.install(*state_, hooks); }
 
  private:
   using outcome = collected::outcome;

@@ -51,6 +51,14 @@ template <class T, class Env = std_env>
 class atomic_rc;
 template <class T, class Env = std_env>
 class borrow;
+template <class T, class Env = std_env>
+class enable_weak_rc;
+template <class T, class Env = std_env>
+class weak_rc;
+template <class T, class Record, class Env = std_env>
+class enable_anchor;
+template <class T, class Record, class Env = std_env>
+class anchor;
 template <class Container>
 class scoped_count;
 

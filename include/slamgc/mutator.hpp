@@ -48,7 +48,7 @@ class basic_mutator {
         (runtime::participants<Env>::any_in(
             *me_.domain, [this](const runtime::participant<Env>& p) { return &p == &me_; })),
         (misuse{"ends a mutator on another thread than its own", "mutator", this, 0}));
-    go_offline();
+    if (me_.online) go_offline();
     while (me_.roots != nullptr) me_.roots->leave();
     me_.domain->leave(record_);
     me_.domain->release();

@@ -6,6 +6,7 @@
 
 #include "assert.hpp"
 #include "detail/header.hpp"
+#include "detail/hold_back.hpp"
 #include "fwd.hpp"
 
 namespace slamgc {
@@ -29,6 +30,10 @@ state_word uncount_reference(T* object) noexcept {
 template <class T>
 void destroy_object(T* object) noexcept {
   detail::mark_dying(object);
+#if SLAMGC_DEBUG
+  if (auto* const watch = detail::watch())
+    if (detail::hold_back(object, *watch)) return;
+#endif
   delete object;
 }
 

@@ -2,6 +2,7 @@
 /// Registries: containers that own the life of what they hold, and the death of a whole map.
 #pragma once
 
+#include <memory>
 #include <new>
 #include <type_traits>
 #include <utility>
@@ -52,8 +53,8 @@ class dropped_content final : public runtime::dropped_base<typename policy_of<T>
 /// map, the death of that map.
 ///
 /// clear() and the destructor take O(1), whatever the size: they hand the container over to the domain, whose collectors retire
-/// and drop its objects in slices. (If there is no memory for that, or if moving the container could throw, it is done at
-/// once, object by object.) Until then the references stay counted. Taking single objects out, by erase() and the like, retires
+/// and drop its objects in slices. (If there is no memory for that, if moving the container could throw, or if its allocator has
+/// a state, it is done at once, object by object.) Until then the references stay counted. Taking single objects out, by erase() and the like, retires
 /// nothing. Not copied, assigned or moved as a whole.
 ///
 /// Belongs to the domain that is current on the thread that makes it, as objects do.
@@ -82,7 +83,10 @@ class registry : public Container {
                   "slamgc: what a registry holds needs a deferred reclaimer");
     content& mine = detail::container_access::content_of(*this);
     if (mine.empty()) return;
-    if constexpr (std::is_nothrow_move_constructible<content>::value) {
+    // What an allocator with a state refers to may end with the registry.
+    if constexpr (std::is_nothrow_move_constructible<content>::value &&
+                  std::allocator_traits<
+                      typename Container::allocator_type>::is_always_equal::value) {
       using batch = detail::dropped_content<object, content, to_pointer>;
       if (auto* const dropped = new (std::nothrow) batch(std::move(mine))) {
         mine.clear();

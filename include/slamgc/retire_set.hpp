@@ -84,6 +84,7 @@ class retire_set {
       if (state_word{now}.is_retired()) return false;
     } while (!policy::compare_exchange(state, now,
                                        now | state_word::retired_flag | state_word::queued_flag));
+    if (detail::watch() != nullptr) detail::watch()->retired(object, detail::type_name<T>::get());
     push(object);
     return true;
   }

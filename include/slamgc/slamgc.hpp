@@ -1,8 +1,9 @@
 /// @file
-/// Everything, except mutex_counter.hpp, which exists for comparison, and background_reclaimer.hpp, which a
-/// program includes in one place: `<mutex>` is large.
+/// Everything, except mutex_counter.hpp, which exists for comparison, and what a program includes in one place, since
+/// `<mutex>` is large: background_reclaimer.hpp, diagnosis/quarantine.hpp, integrations/.
 #pragma once
 
+#include "anchor.hpp"
 #include "atomic_rc.hpp"
 #include "borrow.hpp"
 #include "containers/rc_list.hpp"
@@ -14,6 +15,7 @@
 #include "containers/rc_vector.hpp"
 #include "counter.hpp"
 #include "deferred.hpp"
+#include "diagnosis/hooks.hpp"
 #include "dispositions.hpp"
 #include "domain.hpp"
 #include "edges.hpp"
@@ -31,3 +33,4 @@
 #include "scoped_count.hpp"
 #include "stats.hpp"
 #include "version.hpp"
+#include "weak_rc.hpp"

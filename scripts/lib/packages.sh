@@ -16,6 +16,11 @@ packages_of() {
       echo pkg-config=pkg-config libboost-dev=/usr/include/boost/version.hpp valgrind=valgrind libbenchmark-dev '?relacy-dev'
       ;;
     benchmark) echo python3=python3 libboost-dev libbenchmark-dev valgrind=valgrind '?python3-matplotlib' '?liburcu-dev' '?libxenium-dev' '?libcds-dev' ;;
+    clang)
+      packages_of gtest
+      # libFuzzer comes with the runtime libraries of the clang that was chosen.
+      [[ ${SLAMGC_CLANGXX:-} != clang++-[0-9]* ]] || echo "?libclang-rt-${SLAMGC_CLANGXX#clang++-}-dev"
+      ;;
     coverage)
       packages_of gtest
       echo gcovr=gcovr

@@ -257,6 +257,38 @@ KERNEL(be_quiescent) {
   }
   return 0;
 }
+// Of a type whose memory costs nothing.
+struct pooled_object
+    : slamgc::rc_object<pooled_object, slamgc::fetch_add_counter, slamgc::reclaim_deferred> {
+  static void* operator new(std::size_t) {
+    void* const p = free;
+    free = *static_cast<void**>(p);
+    return p;
+  }
+  static void operator delete(void* p) noexcept {
+    *static_cast<void**>(p) = free;
+    free = p;
+  }
+  static void grow(std::size_t n) {
+    static std::vector<std::unique_ptr<unsigned char[]>> memory;
+    for (std::size_t i = 0; i != n; ++i) {
+      memory.emplace_back(new unsigned char[64]);
+      operator delete(memory.back().get());
+    }
+  }
+  static inline void* free = nullptr;
+};
+KERNEL(retire_and_reclaim) {
+  auto& domain = *static_cast<C*>(argument);
+  for (std::size_t i = 0; i != elements; ++i) slamgc::retire(new pooled_object);
+  return domain.collect().reclaimed;
+}
+KERNEL(collect_nothing) {
+  auto& domain = *static_cast<C*>(argument);
+  std::uint64_t reclaimed = 0;
+  for (std::size_t i = 0; i != elements; ++i) reclaimed += domain.collect().reclaimed;
+  return reclaimed;
+}
 KERNEL(push_and_pop) {
   auto& c = *static_cast<C*>(argument);
   for (object* p : keys) {
@@ -426,6 +458,10 @@ void measure_all(std::size_t n) {
     compare("slot: walk a chain, deferred", walk_chain<raw_node>, raw.data(),
             walk_chain<deferred_object>, a[0].member);
     measure("count quiescent(), nothing to do", be_quiescent<decltype(mutator)>, &mutator);
+    pooled_object::grow(n);
+    const slamgc::mutator::offline_scope offline(mutator);
+    measure("count retire and reclaim", retire_and_reclaim<decltype(domain)>, &domain);
+    measure("count collect(), nothing to do", collect_nothing<decltype(domain)>, &domain);
   }
 
   {

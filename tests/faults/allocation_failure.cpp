@@ -55,6 +55,36 @@ __attribute__((noinline)) void operator delete(void* p, std::size_t, std::align_
 }
 // NOLINTEND(misc-new-delete-overloads)
 
+// Walks allocate by calloc() and realloc(), which sanitizers want for themselves.
+#if defined(__has_feature)
+#define SANITIZED (__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SANITIZED 1
+#else
+#define SANITIZED 0
+#endif
+#if defined(__GLIBC__) && !SANITIZED
+extern "C" void* __libc_calloc(std::size_t, std::size_t);
+extern "C" void* __libc_realloc(void*, std::size_t);
+namespace {
+bool fails_now() noexcept {
+  ++allocations;
+  if (until_failure == 0) {
+    if (only_one_fails) until_failure = -1;
+    return true;
+  }
+  if (until_failure > 0) --until_failure;
+  return false;
+}
+}  // namespace
+extern "C" void* calloc(std::size_t n, std::size_t size) noexcept {
+  return fails_now() ? nullptr : __libc_calloc(n, size);
+}
+extern "C" void* realloc(void* p, std::size_t size) noexcept {
+  return fails_now() ? nullptr : __libc_realloc(p, size);
+}
+#endif
+
 namespace {
 
 using slamgc::domain;
@@ -242,6 +272,160 @@ TEST(AllocationFailure, ShortLivedThreadsDoNotMakeMemoryGrow) {
     }
   }
   EXPECT_EQ(in_threads, 1000);  // the objects
+}
+
+struct anchored : slamgc::rc_object<anchored, slamgc::fetch_add_counter, slamgc::reclaim_deferred>,
+                  slamgc::enable_anchor<anchored, int>,
+                  support::instances<anchored> {
+  int record() { return 7; }
+};
+struct weak : slamgc::rc_object<weak, slamgc::fetch_add_counter, slamgc::reclaim_deferred>,
+              slamgc::enable_weak_rc<weak>,
+              support::instances<weak> {};
+
+TEST(AllocationFailure, TheFirstWeakHandleThrowsAndLeavesTheObjectAlone) {
+  domain d;
+  {
+    const mutator m(d, "m");
+    auto p = make_rc<weak>();
+    {
+      const failing at(0);
+      EXPECT_THROW(slamgc::weak_rc<weak>{p}, std::bad_alloc);
+    }
+    const slamgc::weak_rc<weak> w(p);
+    const failing everything{failing::all()};
+    EXPECT_EQ(slamgc::weak_rc<weak>(p), w);  // the second one needs no memory
+    EXPECT_EQ(w.lock(), p);
+  }
+  EXPECT_EQ(d.collect().result, outcome::done);
+  EXPECT_EQ(weak::live(), 0);
+}
+
+TEST(AllocationFailure, AnAnchoredObjectThatFindsNoMemoryIsNotMade) {
+  domain d;
+  const mutator m(d, "m");
+  { const auto first = make_rc<anchored>(); }
+  const int before = anchored::live();
+  for (int n = 0; n != 2; ++n) {
+    const failing at(n);  // the object, and its block
+    EXPECT_THROW((void)make_rc<anchored>(), std::bad_alloc);
+  }
+  EXPECT_EQ(anchored::live(), before);
+}
+
+TEST(AllocationFailure, RecordsNeedNoMemoryWhenTheyAreMade) {
+  domain d;
+  slamgc::anchor<anchored, int> a;
+  {
+    const mutator m(d, "m");
+    for (int i = 0; i != 1000; ++i) a = make_rc<anchored>();
+  }
+  const failing everything{failing::all()};
+  EXPECT_EQ(d.collect().result, outcome::done);
+  EXPECT_EQ(anchored::live(), 0);
+  ASSERT_NE(a.record(), nullptr);
+  EXPECT_EQ(*a.record(), 7);
+}
+
+// ---- the graph
+
+struct frame : slamgc::rc_object<frame, slamgc::fetch_add_counter, slamgc::reclaim_retired>,
+               support::instances<frame> {
+  template <class Visitor>
+  void edges(Visitor& v) {
+    v.edge("next", next);
+    v.edge("stale", stale, slamgc::on_retire::null);
+  }
+  slamgc::rc_slot<frame> next, stale;
+};
+// A map with a chain that has stale edges everywhere.
+struct map {
+  template <class Visitor>
+  void edges(Visitor& v) {
+    v.edge("frames", frames, slamgc::on_retire::erase);
+  }
+  void fill() {
+    frame* last = nullptr;
+    for (int i = 0; i != 300; ++i) {
+      auto* const p = new frame;
+      p->next = last;
+      p->stale = new frame;
+      frames.insert(p);
+      slamgc::retire(p->stale.get());
+      last = p;
+    }
+  }
+  slamgc::registry<slamgc::rc_set<frame>> frames;
+};
+
+TEST(AllocationFailure, AtEachAllocationOfAPurgeLosesNothing) {
+  bool failed = true;
+  int n = 0;
+  for (; failed; ++n) {
+    ASSERT_LT(n, 1000);
+    domain d;
+    mutator m(d, "m");
+    map all;
+    slamgc::root root(d, "all", all);
+    all.fill();
+    m.quiescent();
+    {
+      const failing at(n);
+      for (int calls = 0; calls != 10; ++calls) {
+        (void)d.collect();
+        m.quiescent();
+        if (calls == 4) root.collect_cycles();
+      }
+      failed = at.happened();
+    }
+    const mutator::offline_scope offline(m);
+    ASSERT_EQ(d.drain(), slamgc::waited::done);
+    EXPECT_EQ(frame::live(), static_cast<int>(all.frames.size())) << n;
+    root.collect_cycles();
+    ASSERT_EQ(d.drain(), slamgc::waited::done);
+    EXPECT_EQ(frame::live(), 0) << n;
+  }
+  EXPECT_GE(n, 3);
+}
+
+// A purge that finds no memory does not keep the rest from being reclaimed.
+TEST(AllocationFailure, ReclamationGoesOnWithoutMemoryForAPurge) {
+  domain d;
+  mutator m(d, "m");
+  map all;
+  const slamgc::root root(d, "all", all);
+  all.fill();
+  (void)d.collect({1000});
+  m.quiescent();
+  for (int i = 0; i != 1000; ++i) slamgc::retire(new node);
+  {
+    const failing everything{failing::all()};
+    for (int calls = 0; calls != 100; ++calls) {
+      (void)d.collect();
+      m.quiescent();
+    }
+  }
+  EXPECT_EQ(node::live(), 0);
+  all.frames.clear();
+  const mutator::offline_scope offline(m);
+  ASSERT_EQ(d.drain(), slamgc::waited::done);
+  EXPECT_EQ(frame::live(), 0);
+}
+
+TEST(AllocationFailure, ARegistryThatFindsNoMemoryRetiresAtOnce) {
+  domain d;
+  mutator m(d, "m");
+  map all;
+  all.fill();
+  {
+    const failing at(0);
+    all.frames.clear();
+    EXPECT_TRUE(at.happened());
+  }
+  EXPECT_EQ(d.stats().total(&slamgc::type_stats::retired), 600u);
+  const mutator::offline_scope offline(m);
+  ASSERT_EQ(d.drain(), slamgc::waited::done);
+  EXPECT_EQ(frame::live(), 0);
 }
 
 }  // namespace

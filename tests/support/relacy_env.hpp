@@ -36,6 +36,7 @@
 #include <mutex>
 #include <new>
 #include <numeric>
+#include <optional>
 #include <queue>
 #include <set>
 #include <sstream>
@@ -76,13 +77,17 @@
 
 #undef SLAMGC_DEBUG
 #define SLAMGC_DEBUG 0
+#include "slamgc/anchor.hpp"
 #include "slamgc/atomic_rc.hpp"
 #include "slamgc/deferred.hpp"
 #include "slamgc/intrusive_rc.hpp"
 #include "slamgc/mutator.hpp"
 #include "slamgc/mutex_counter.hpp"
 #include "slamgc/rc_slot.hpp"
+#include "slamgc/registry.hpp"
 #include "slamgc/retire_set.hpp"
+#include "slamgc/root.hpp"
+#include "slamgc/weak_rc.hpp"
 
 /// Where an operation stands in the source, for relacy's report: the place of the call.
 #define RELACY_HERE \

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <new>
+#include <utility>
 
 #include "../fwd.hpp"
 #include "table_base.hpp"
@@ -19,7 +20,7 @@ struct candidate;
 template <class Env>
 class edge_list {
   struct block {
-    static constexpr std::size_t size = 1023;
+    static constexpr std::uint32_t size = 1023;
     block* next = nullptr;
     candidate<Env>* targets[size];
   };
@@ -39,7 +40,7 @@ class edge_list {
    private:
     friend class edge_list;
     block* block_;
-    std::size_t index_;
+    std::uint32_t index_;
   };
 
   edge_list() noexcept { clear(); }
@@ -83,20 +84,19 @@ class edge_list {
 /// other value of a link has.
 template <class Env>
 struct candidate {
-  void* object;
+  void* object;  // null: unused
   table_base<Env>* table;
   std::uint64_t noted;
-  std::uint32_t inner;           // references from candidates
-  bool fresh;                    // not in a round yet
-  bool live;                     // excluded
-  bool suspect;                  // not retired: it is in this round only
-  bool purged;                   // a purge has looked for its stale edges
-  std::uint32_t purged_version;  // when that began
-  std::uint32_t held;            // references that it saw and left
-  candidate* next;
-  candidate* next_marked;
-  typename edge_list<Env>::place first_edge;
-  std::size_t edges;
+  typename edge_list<Env>::place first_edge;  // of those recorded
+  candidate* next_marked;                     // also: the next unused one
+  std::uint32_t edges;                        // how many
+  std::uint32_t inner;                        // references from candidates
+  std::uint32_t held;                         // references that the last purge saw and left
+  std::uint32_t purged_version;               // when that began
+  bool fresh;                                 // not in a round yet
+  bool live;                                  // excluded
+  bool suspect;                               // not retired: it is in this round only
+  bool purged;                                // a purge has looked for its stale edges
 
   static void* link_to(candidate* c) noexcept {
     return static_cast<char*>(static_cast<void*>(c)) + 1;
@@ -105,6 +105,101 @@ struct candidate {
     if ((reinterpret_cast<std::uintptr_t>(link) & 1) == 0) return nullptr;
     return static_cast<candidate*>(static_cast<void*>(static_cast<char*>(link) - 1));
   }
+};
+
+/// All candidates, in blocks: each phase goes through them in the order of memory. Blocks without candidates are freed.
+template <class Env>
+class candidate_list {
+  struct block {
+    static constexpr std::size_t size = 255;
+    block* next = nullptr;
+    candidate<Env>* unused = nullptr;
+    std::size_t used = 0;
+    candidate<Env> candidates[size];
+  };
+
+ public:
+  /// Goes through the candidates.
+  class cursor {
+   public:
+    /// The next one, or null.
+    candidate<Env>* next() noexcept {
+      for (; block_ != nullptr; block_ = block_->next, index_ = 0) {
+        while (index_ != block::size) {
+          candidate<Env>& c = block_->candidates[index_++];
+          if (index_ + ahead < block::size)
+            __builtin_prefetch(block_->candidates[index_ + ahead].object);
+          if (c.object != nullptr) return &c;
+        }
+      }
+      return nullptr;
+    }
+
+   private:
+    friend class candidate_list;
+    /// Objects lie anywhere: their words arrive while others are worked on.
+    static constexpr std::size_t ahead = 8;
+    block* block_ = nullptr;
+    std::size_t index_ = 0;
+  };
+
+  candidate_list() noexcept = default;
+  ~candidate_list() {
+    while (first_ != nullptr) delete std::exchange(first_, first_->next);
+  }
+  candidate_list(const candidate_list&) = delete;
+  candidate_list& operator=(const candidate_list&) = delete;
+
+  cursor begin() const noexcept {
+    cursor c;
+    c.block_ = first_;
+    return c;
+  }
+  /// An unused one, or null if there is no memory.
+  candidate<Env>* add() noexcept {
+    while (room_ != nullptr && room_->unused == nullptr) room_ = room_->next;
+    if (room_ == nullptr && !grow()) return nullptr;
+    candidate<Env>* const c = room_->unused;
+    room_->unused = c->next_marked;
+    ++room_->used;
+    return c;
+  }
+  /// Removes the one that @p at came to last.
+  void remove(cursor& at) noexcept {
+    candidate<Env>& c = at.block_->candidates[at.index_ - 1];
+    c.object = nullptr;
+    c.next_marked = at.block_->unused;
+    at.block_->unused = &c;
+    --at.block_->used;
+  }
+  /// Frees what remove() has left empty, but one block.
+  void trim() noexcept {
+    bool keep = true;
+    for (block** at = &first_; *at != nullptr;) {
+      if ((*at)->used == 0 && !std::exchange(keep, false))
+        delete std::exchange(*at, (*at)->next);
+      else
+        at = &(*at)->next;
+    }
+    room_ = first_;
+  }
+
+ private:
+  bool grow() noexcept {
+    block* const more = new (std::nothrow) block;
+    if (more == nullptr) return false;
+    for (std::size_t i = block::size; i-- != 0;) {
+      more->candidates[i].object = nullptr;
+      more->candidates[i].next_marked = more->unused;
+      more->unused = &more->candidates[i];
+    }
+    more->next = first_;
+    first_ = room_ = more;
+    return true;
+  }
+
+  block* first_ = nullptr;
+  block* room_ = nullptr;  // before it no block has room, or all blocks are full
 };
 
 }  // namespace SLAMGC_SHARED

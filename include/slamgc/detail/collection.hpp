@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "../budget.hpp"
+#include "../diagnosis/hooks.hpp"
 #include "../env.hpp"
 #include "../fwd.hpp"
 #include "../stats.hpp"
@@ -38,18 +39,9 @@ class collection {
     // (21) acquire: sees what the last collector left behind.
     if (collecting_.exchange(true, std::memory_order_acquire)) return {outcome::busy, 0};
     const auto begin = clock::now();
-    for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
-      if (p->domain == &of) p->publish();
-    collected done;
-    {
-      participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
-      const participation<Env> as_collector(me);
-      me.pass_quiescent_state();
-      work_limit<Env> work(limit.objects, limit.time, begin);
-      purge_.begin_call(thorough);
-      done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
-      me.publish();
-    }
+    purge_.begin_call(thorough);
+    const collected done =
+        hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);
     const std::int64_t took = std::chrono::nanoseconds(clock::now() - begin).count();
     if (took > longest_.load(std::memory_order_relaxed))  // (12)
       longest_.store(took, std::memory_order_relaxed);    // (12)
@@ -63,6 +55,14 @@ class collection {
     backlog_limit_ = limit;
     backlog_hook_ = hook;
     backlog_context_ = context;
+  }
+
+  void install(domain& of, collector_hooks* hooks) noexcept {
+    hooks_ = hooks;
+    for (table* t = of.tables(); t != nullptr; t = t->next) {
+      t->told = t->stats();
+      t->told.object_size = 0;  // of no type: they are told the next time
+    }
   }
 
   trial_deletion<Env>& trial() noexcept { return trial_; }
@@ -98,6 +98,54 @@ class collection {
   using clock = clock_of<Env>;
   using table = table_base<Env>;
   enum class phase { noting, waiting, deciding, purging };
+
+  collected slice(domain& of, const budget& limit, typename clock::time_point begin) noexcept {
+    for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
+      if (p->domain == &of) p->publish();
+    collected done;
+    {
+      participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
+      const participation<Env> as_collector(me);
+      me.pass_quiescent_state();
+      work_limit<Env> work(limit.objects, limit.time, begin);
+      done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
+      me.publish();
+    }
+    return done;
+  }
+
+  /// The same, with hooks.
+  __attribute__((noinline)) collected told_slice(domain& of, const budget& limit,
+                                                 typename clock::time_point begin) noexcept {
+    const std::uint64_t before = grace_periods();
+    const bool was_open = open() != 0;
+    hooks_->slice_begins(begin);
+    slice_stats told;
+    told.did = slice(of, limit, begin);
+    told.begin = begin;
+    told.grace_periods = grace_periods() - before;
+    const bool others = told.grace_periods != 0;
+    if (was_open && (others || open() == 0)) hooks_->grace_period_closed(before, begin);
+    if (others && open() != 0) {
+      const std::chrono::nanoseconds when(opened_.load(std::memory_order_relaxed));  // (12)
+      hooks_->grace_period_opened(grace_periods(), typename clock::time_point(when));
+    }
+    for (table* t = of.tables(); t != nullptr; t = t->next) {
+      const type_stats now = t->stats();
+      if (same_numbers(now, t->told)) continue;
+      hooks_->objects(now, now.reclaimed - t->told.reclaimed);
+      t->told = now;
+    }
+    told.delayed = delayed(of);
+    told.took = clock::now() - begin;
+    hooks_->slice_ended(told);
+    return told.did;
+  }
+  static bool same_numbers(const type_stats& a, const type_stats& b) noexcept {
+    return a.object_size == b.object_size && a.created == b.created && a.live == b.live &&
+           a.retired == b.retired && a.reclaimed == b.reclaimed && a.stuck == b.stuck &&
+           a.backlog == b.backlog;
+  }
 
   outcome run(domain& of, participant<Env>& me, work_limit<Env>& work,
               std::size_t& reclaimed) noexcept {
@@ -192,6 +240,7 @@ class collection {
   std::uint64_t backlog_limit_ = 0;
   void (*backlog_hook_)(const delay&, void*) = nullptr;
   void* backlog_context_ = nullptr;
+  collector_hooks* hooks_ = nullptr;
 };
 
 }  // namespace SLAMGC_SHARED

@@ -23,6 +23,8 @@ class counted_container;
 template <class T, class Std, class Reference, class Iterator>
 Reference reference_in(const counted_container<T, Std, Reference, Iterator>&);
 
+struct element_mapped;
+
 /// Removes elements from a companion of a purged sequence, in step with it.
 template <class Companion>
 class companion_cursor {
@@ -207,11 +209,18 @@ struct edge_keyed : edge_container<Container> {
   template <class Stale>
   static void purge(Container& member, on_retire::erase_edge, Stale& stale) {
     using pointer = decltype(reference()(*member.raw().begin()));
-    using target = std::remove_pointer_t<pointer>;
-    if constexpr (std::is_same<typename Container::key_type, target*>::value) {
-      // By look-up, where that is less work than a walk.
+    using target = std::remove_cv_t<std::remove_pointer_t<pointer>>;
+    // By look-up, where that is less work than a walk. What a purge knows are objects, not derived ones.
+    if constexpr (!std::is_same<reference, element_mapped>::value &&
+                  std::is_same<target, object_of<target>>::value) {
       if (stale.few(member.size())) {
-        stale.template each<target>([&](target* p) { return member.erase(p) != 0; });
+        stale.template each<target>([&](target* p) {
+          const auto at = member.find(p);
+          if (at == member.end() || reference()(*at) != p)
+            return false;  // or just an equivalent one
+          member.erase(at);
+          return true;
+        });
         return;
       }
     }

@@ -47,13 +47,14 @@ class purge {
   bool at_work() const noexcept { return at_work_; }
   /// Whether there is reason to begin one.
   bool due(const trial_deletion<Env>& trial) const noexcept {
-    return !at_work_ && (trial.unpurged() || retry_in_ == 1);
+    return !at_work_ && !gave_up_ && (trial.unpurged() || retry_in_ == 1);
   }
   /// A call of collect() begins. If it is @p thorough, nothing is put off.
   void begin_call(bool thorough) noexcept {
-    if (retry_in_ > 1) retry_in_ = thorough ? 1 : retry_in_ - 1;
+    if (retry_in_ > 1) retry_in_ = thorough || gave_up_ ? 1 : retry_in_ - 1;
+    gave_up_ = false;
   }
-  /// Goes on, or begins. False if the limit or the memory came to its end first.
+  /// Goes on, or begins. False if the limit came first.
   bool run(root_list<Env>& roots, trial_deletion<Env>& trial, std::size_t live_objects,
            work_limit<Env>& limit) noexcept {
     if (!at_work_) {
@@ -73,9 +74,9 @@ class purge {
       });
     }
     while (!walk_.at_end() && !walk_.out_of_memory()) {
-      if (!limit.spend()) return false;
       const auto item = walk_.next();
       item.type->purge_by_collector(item.object, *this);
+      if (!limit.spend()) return false;
     }
     if (walk_.out_of_memory()) return give_up();
     bool explained = true;
@@ -114,11 +115,12 @@ class purge {
   }
 
  private:
-  /// The next call tries again.
+  /// The next call tries again; meanwhile there may be memory to reclaim.
   bool give_up() noexcept {
+    gave_up_ = true;
     retry_in_ = 2;
     finish();
-    return false;
+    return true;
   }
   void finish() noexcept {
     stuck_.clear();
@@ -127,6 +129,7 @@ class purge {
   }
 
   bool at_work_ = false;
+  bool gave_up_ = false;  // in this call, for want of memory
   std::uint64_t retry_after_ = 0;
   std::uint64_t retry_in_ = 0;  // calls; 1: now; 0: never
   address_table<stuck> stuck_;

@@ -100,11 +100,11 @@ class root_list {
     return *made;
   }
   static void put(place& p) noexcept {
+    p.suspicion.store(place::no, std::memory_order_relaxed);  // (31) of its last user.
     p.state.store(place::rooted, std::memory_order_release);  // (31) its content, to visit().
   }
   /// Waits while a collector is in its edges().
   static void remove(place& p) noexcept {
-    p.suspicion.store(place::no, std::memory_order_relaxed);  // (31)
     std::uint32_t state = place::rooted;
     // (31) acquire: what the collector did in there is over; release: to take().
     while (!p.state.compare_exchange_weak(state, place::free, std::memory_order_acq_rel,
@@ -115,11 +115,11 @@ class root_list {
   }
   void want_suspicion(place& p) noexcept {
     p.suspicion.store(place::wanted, std::memory_order_relaxed);  // (31)
-    suspicions_.fetch_add(1, std::memory_order_relaxed);          // (31) a collector looks later.
+    suspicions_.fetch_add(1, std::memory_order_release);          // (31) so that the wish is seen.
   }
   /// Whether one was wanted since the last time.
   bool any_suspected() noexcept {
-    const std::uint64_t now = suspicions_.load(std::memory_order_relaxed);  // (31)
+    const std::uint64_t now = suspicions_.load(std::memory_order_acquire);  // (31)
     return now != std::exchange(suspicions_seen_, now);
   }
   /// Calls f(place) for each root; for those of mutators, too, if @p all. By a collector. A root that ends meanwhile is

@@ -8,6 +8,7 @@
 
 #include "../env.hpp"
 #include "../fwd.hpp"
+#include "../stats.hpp"
 #include "clock.hpp"
 #include "participant.hpp"
 
@@ -114,6 +115,8 @@ struct alignas(cache_line) table_door {
 template <class Env>
 class trial_deletion;
 template <class Env>
+class side_block;
+template <class Env>
 struct described_operations;
 
 /// The part of a domain's zero-count table for objects of one type; see zero_count_table.hpp.
@@ -126,8 +129,9 @@ class table_base {
   static constexpr std::size_t first_of_mutators = 2;
   static constexpr std::size_t doors = first_of_mutators + Env::mutator_doors;
 
-  table_base(domain_state<Env>& d, const void* t, const char* name, std::size_t size) noexcept
-      : domain(d), type(t), type_name(name), object_size(size) {}
+  table_base(domain_state<Env>& d, const void* t, const char* name, std::size_t size,
+             bool blocks) noexcept
+      : domain(d), type(t), type_name(name), object_size(size), has_blocks(blocks) {}
   virtual ~table_base() = default;
   table_base(const table_base&) = delete;
   table_base& operator=(const table_base&) = delete;
@@ -146,6 +150,11 @@ class table_base {
   virtual bool walk(void* object, trial_deletion<Env>& trial) noexcept = 0;
   /// Drops all references. False if edges() threw.
   virtual bool sever(void* object) noexcept = 0;
+  /// The block of an object to which there may be weak handles, or null.
+  virtual side_block<Env>* block_of(void* object) const noexcept = 0;
+  /// Whether the word has the references that were noted: by a read-modify-write, which a lock() that it does not see
+  /// does see (decision.hpp).
+  virtual bool seal(void* object, std::uint64_t noted) noexcept = 0;
   virtual void destroy(void* object) noexcept = 0;
   /// It was a suspect: is retired, and stays.
   virtual void condemn(void* object) noexcept = 0;
@@ -156,6 +165,7 @@ class table_base {
   const void* const type;
   const char* const type_name;
   const std::size_t object_size;
+  const bool has_blocks;  // whether there may be weak handles to objects of the type
   table_base* next = nullptr;
 
   /// The calling thread's door, and its part in this domain if it has one.
@@ -192,6 +202,18 @@ class table_base {
   }
   /// Candidates.
   std::uint64_t stuck() const noexcept { return stuck_.load(std::memory_order_relaxed); }  // (12)
+  type_stats stats() const noexcept {
+    type_stats s;
+    s.type = type_name;
+    s.object_size = object_size;
+    s.created = sum(&door::created);
+    s.live = live();
+    s.retired = sum(&door::retired);
+    s.reclaimed = reclaimed();
+    s.stuck = stuck();
+    s.backlog = backlog();
+    return s;
+  }
   /// Objects that wait, if nobody changes it meanwhile; never less than none.
   std::uint64_t backlog() const noexcept {
     const std::uint64_t left = left_.load(std::memory_order_relaxed);  // (12)
@@ -210,6 +232,9 @@ class table_base {
   typename door::number reclaimed_{0};
   typename door::number left_{0};
   typename door::number stuck_{0};
+
+ public:
+  type_stats told;  // what hooks know; behind the doors, whose offsets the instructions depend on
 };
 
 }  // namespace SLAMGC_SHARED

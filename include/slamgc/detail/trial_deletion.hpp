@@ -8,7 +8,8 @@
 /// 3. *excludes* each candidate that has others, and what is recorded to be reached from it;
 /// 4. after a grace period that began after 2, *checks* the words of all that are left: one that has changed is
 ///    excluded, as in 3;
-/// 5. *severs* what is left, and destroys it.
+/// 5. if there are weak handles to what is left: decides (decision.hpp), and waits for another grace period;
+/// 6. *severs* what is left, and destroys it.
 ///
 /// **What is left is out of everybody's sight**: docs/design.md, "Cycles". There, too, is why 3 and 4 must not walk the
 /// edges a second time.
@@ -23,11 +24,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <new>
+#include <utility>
 
 #include "../counter.hpp"
 #include "../env.hpp"
 #include "../fwd.hpp"
 #include "candidate.hpp"
+#include "decision.hpp"
 #include "root_list.hpp"
 #include "table_base.hpp"
 
@@ -41,45 +44,42 @@ class trial_deletion {
   using limit_type = work_limit<Env>;
 
   trial_deletion() noexcept = default;
-  ~trial_deletion() {
-    while (blocks_ != nullptr) {
-      block* const next = blocks_->next;
-      delete blocks_;
-      blocks_ = next;
-    }
-  }
   trial_deletion(const trial_deletion&) = delete;
   trial_deletion& operator=(const trial_deletion&) = delete;
 
-  /// The new candidate, or null if there is no memory.
-  candidate_type* add(void* object, table_base<Env>& table) noexcept {
-    if (free_ == nullptr && !grow()) return nullptr;
-    candidate_type* const c = free_;
-    free_ = c->next;
-    *c = {object, &table, 0, 0,      true,    true,         suspecting_,
-          false,  0,      0, first_, nullptr, edges_.end(), 0};
-    first_ = c;
+  /// The new candidate, with its word now, or null if there is no memory.
+  candidate_type* add(void* object, table_base<Env>& table, std::uint64_t word) noexcept {
+    candidate_type* const c = all_.add();
+    if (c == nullptr) return nullptr;
+    *c = {object, &table, word, edges_.end(), nullptr, 0, 0, 0, 0, true, true, suspecting_, false};
+    any_blocks_ = any_blocks_ || table.has_blocks;
     return c;
   }
   /// Steps 1 to 3, before the grace period. False if the limit came first.
   bool find(limit_type& limit) noexcept {
+    if (phase_ == phase::expired) start(phase::severing);  // after the grace period that follows
     if (phase_ == phase::idle) {
       changed_ = false;
+      left_ = 0;
       start(phase::beginning);
     }
     if (phase_ == phase::beginning) {
       while (candidate_type* const c = next()) {
-        const std::uint64_t now = c->table->word_of(c->object);
-        changed_ = changed_ || !same_references(now, c->noted);  // a new one was noted as 0
+        // A new one was noted when it was added: a while ago is as good.
+        const std::uint64_t now = c->fresh ? c->noted : c->table->word_of(c->object);
+        changed_ = changed_ || c->fresh || !same_references(now, c->noted);
         c->noted = now;
         c->inner = 0;
         c->fresh = c->live = false;
+        ++left_;
         if (!limit.spend()) return false;
       }
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
-      // stored it yet will have done so after a grace period: so one more round after the last change.
-      const bool worth_it = changed_ || unsettled_;
-      unsettled_ = changed_;
+      // stored it yet will have done so after a grace period: so one more round after the last change. A round with suspects
+      // comes to its end, even if no root has any: else the suspicion would last.
+      const bool worth_it = changed_ || unsettled_ || suspecting_;
+      // After a purge, too: owners of roots join it at their next quiescent state.
+      unsettled_ = changed_ || std::exchange(purged_, false);
       start(worth_it ? phase::recording : phase::idle);
     }
     if (phase_ == phase::recording) {
@@ -96,6 +96,7 @@ class trial_deletion {
         roots_->visit([this](const root_place<Env>& root) {
           if (root.is_suspected()) root.operations->record(root.described, *this);
         });
+        if (out_of_memory_) return give_up();
       }
       start(phase::excluding);
     }
@@ -103,8 +104,7 @@ class trial_deletion {
       while (exclude_marked(limit)) {
         candidate_type* const c = next();
         if (c == nullptr) {
-          const bool any_left = survey();
-          start(any_left ? phase::checking : suspecting_ ? phase::resolving : phase::idle);
+          start(left_ != 0 ? phase::checking : suspecting_ ? phase::resolving : phase::idle);
           return true;
         }
         if (c->inner != state_word{c->noted}.count()) mark(*c);
@@ -118,7 +118,9 @@ class trial_deletion {
   /// Whether find() has to be called again after a grace period.
   bool unsettled() const noexcept { return unsettled_; }
 
-  /// Steps 4 and 5, after the grace period. False if the limit came first.
+  runtime::decision<Env>& decision() noexcept { return decision_; }
+
+  /// Steps 4 to 6, after the grace period. False if the limit came first.
   bool decide(limit_type& limit, std::size_t& reclaimed) noexcept {
     if (phase_ == phase::checking) {
       for (;;) {
@@ -126,12 +128,20 @@ class trial_deletion {
         candidate_type* const c = next();
         if (c == nullptr) break;
         if (c->live) continue;
-        if (!same_references(c->table->word_of(c->object), c->noted)) mark(*c);
+        if (!same_references(c->table->word_of(c->object), c->noted)) {
+          disturbed(*c);
+          mark(*c);
+        }
         if (!limit.spend()) return false;
       }
-      start(suspecting_ ? phase::resolving : phase::severing);
+      if (any_blocks_ && !suspecting_) decision_.open();
+      decided_ = true;
+      marked_blocks_ = false;
+      start(suspecting_ ? phase::resolving : any_blocks_ ? phase::deciding : phase::severing);
     }
     if (phase_ == phase::resolving && !resolve(limit)) return false;
+    if (!expire_blocks(limit)) return false;
+    if (phase_ == phase::expired) return true;
     if (phase_ == phase::severing) {
       while (candidate_type* const c = next()) {
         if (c->live) continue;
@@ -140,24 +150,17 @@ class trial_deletion {
       }
       // What could not be severed stays, with what it refers to.
       if (!exclude_marked(limit)) return false;
-      rest_ = first_;
-      first_ = nullptr;
-      phase_ = phase::destroying;
+      start(phase::destroying);
     }
     if (phase_ == phase::destroying) {
-      while (candidate_type* const c = rest_) {
-        rest_ = c->next;
-        if (c->live) {
-          c->next = first_;
-          first_ = c;
-          continue;
-        }
+      while (candidate_type* const c = next()) {
+        if (c->live) continue;
         c->table->destroy(c->object);
         ++reclaimed;
-        c->next = free_;
-        free_ = c;
+        all_.remove(at_);
         if (!limit.spend()) return false;
       }
+      all_.trim();
       phase_ = phase::idle;
     }
     return true;
@@ -169,9 +172,10 @@ class trial_deletion {
   template <class F>
   void begin_purge(F f) noexcept {
     unpurged_ = false;
-    unsettled_ = true;
-    for (candidate_type* c = first_; c != nullptr; c = c->next) {
-      c->purged = true;
+    unsettled_ = purged_ = true;
+    auto at = all_.begin();
+    while (candidate_type* const c = at.next()) {
+      c->purged = !c->fresh;  // else the references from candidates are not known yet
       c->purged_version = state_word{c->table->word_of(c->object)}.version();
       c->held = 0;
       f(*c);
@@ -207,42 +211,29 @@ class trial_deletion {
     excluding,
     checking,
     resolving,
+    deciding,
+    unmarking,
+    expiring,
+    expired,
     severing,
     destroying
   };
-  struct block {
-    static constexpr std::size_t size = 255;
-    block* next;
-    candidate_type candidates[size];
-  };
-
   static bool same_references(std::uint64_t a, std::uint64_t b) noexcept {
     return state_word{a}.same_references({b});
   }
   void start(phase p) noexcept {
     phase_ = p;
-    at_ = first_;
+    at_ = all_.begin();
     if (p == phase::recording) edges_.clear();
   }
-  candidate_type* next() noexcept {
-    candidate_type* const c = at_;
-    if (c != nullptr) at_ = c->next;
-    return c;
-  }
-  /// Whether any is left; and whether one that is not gives reason for a purge.
-  bool survey() noexcept {
-    bool any_left = false;
-    for (const candidate_type* c = first_; c != nullptr; c = c->next) {
-      if (!c->live)
-        any_left = true;
-      else if (!c->fresh && (!c->purged || c->purged_version != state_word{c->noted}.version()))
-        unpurged_ = true;
-    }
-    return any_left;
-  }
+  candidate_type* next() noexcept { return at_.next(); }
   void mark(candidate_type& c) noexcept {
     if (c.live) return;
     c.live = true;
+    --left_;
+    if (phase_ <= phase::excluding && !c.suspect &&
+        (!c.purged || c.purged_version != state_word{c.noted}.version()))
+      unpurged_ = true;
     c.next_marked = marked_;
     marked_ = &c;
   }
@@ -256,69 +247,100 @@ class trial_deletion {
     }
     return true;
   }
+  /// Step 5: one decision for all that is left. False if the limit came first.
+  bool expire_blocks(limit_type& limit) noexcept {
+    if (phase_ == phase::deciding) {
+      while (candidate_type* const c = decided_ ? next() : nullptr) {
+        side_block<Env>* const side = block_of(*c);
+        if (side != nullptr) {
+          marked_blocks_ = true;
+          side->mark(decision_);
+          decided_ = c->table->seal(c->object, c->noted);
+          if (decided_) side->bury();
+        }
+        if (!limit.spend()) return false;
+      }
+      decided_ = decided_ && (!marked_blocks_ || decision_.commit());
+      start(!marked_blocks_ ? phase::severing : decided_ ? phase::expiring : phase::unmarking);
+    }
+    if (phase_ == phase::expiring || phase_ == phase::unmarking) {
+      while (candidate_type* const c = next()) {
+        side_block<Env>* const side = block_of(*c);
+        if (side != nullptr && side->is_marked()) {
+          if (phase_ == phase::expiring) {
+            side->expire();
+          } else {
+            side->unmark();
+            if (!same_references(c->table->word_of(c->object), c->noted)) disturbed(*c);
+          }
+        }
+        if (!limit.spend()) return false;
+      }
+      // What made the decision fail has changed a word: there will be another round.
+      phase_ = phase_ == phase::expiring ? phase::expired : phase::idle;
+    }
+    return true;
+  }
+  /// Of a candidate that nothing else refers to, if weak handles may lead to it.
+  static side_block<Env>* block_of(const candidate_type& c) noexcept {
+    if (c.live || !c.table->has_blocks) return nullptr;
+    side_block<Env>* const side = c.table->block_of(c.object);
+    return side != nullptr && !side->is_dead() ? side : nullptr;
+  }
+  static void disturbed(candidate_type& c) noexcept {
+    if (!state_word{c.noted}.is_retired())
+      return;  // only what is retired may expire while it is referred to
+    if (side_block<Env>* const side = block_of(c)) side->disturbed();
+  }
   /// Without memory this round finds nothing; another one will.
   bool give_up() noexcept {
     marked_ = nullptr;
     out_of_memory_ = false;
     unsettled_ = true;
-    for (candidate_type* c = first_; c != nullptr; c = c->next) c->live = true;
+    auto at = all_.begin();
+    while (candidate_type* const c = at.next()) c->live = true;
     start(suspecting_ ? phase::resolving : phase::idle);
     return true;
   }
   /// The end of a round with suspects: what was found is retired, the rest leaves.
   bool resolve(limit_type& limit) noexcept {
-    if (resolved_ == nullptr) resolved_ = &first_;
-    while (candidate_type* const c = *resolved_) {
+    while (candidate_type* const c = next()) {
       if (c->suspect && (!c->live || state_word{c->table->word_of(c->object)}.is_retired())) {
         c->table->condemn(c->object);
         c->suspect = false;
         c->fresh = true;
-        unsettled_ = true;
       }
       if (c->suspect) {
-        *resolved_ = c->next;
         c->table->leave(c->object);
-        c->next = free_;
-        free_ = c;
-      } else {
-        resolved_ = &c->next;
+        all_.remove(at_);
       }
       if (!limit.spend()) return false;
     }
-    resolved_ = nullptr;
+    all_.trim();
     suspecting_ = false;
+    unsettled_ = true;  // what was found among the retired ones was only left out
     roots_->visit([](root_place<Env>& root) { root.end_suspicion(); });
     start(phase::idle);
     return true;
   }
-  bool grow() noexcept {
-    block* const more = new (std::nothrow) block;
-    if (more == nullptr) return false;
-    more->next = blocks_;
-    blocks_ = more;
-    for (candidate_type& c : more->candidates) {
-      c.next = free_;
-      free_ = &c;
-    }
-    return true;
-  }
-
   phase phase_ = phase::idle;
   bool out_of_memory_ = false;
   bool changed_ = false;
   bool unsettled_ = false;
   bool unpurged_ = false;
-  candidate_type* first_ = nullptr;
+  bool purged_ = false;         // since the last round began
+  bool any_blocks_ = false;     // some candidate's type has them
+  bool marked_blocks_ = false;  // in this decision
+  bool decided_ = false;        // so far, that all die
+  runtime::decision<Env> decision_;
+  candidate_list<Env> all_;
+  typename candidate_list<Env>::cursor at_;  // in this phase
   candidate_type* walked_ = nullptr;
   edge_list<Env> edges_;
-  candidate_type* at_ = nullptr;      // the next one in this phase
+  std::size_t left_ = 0;              // candidates of this round that are not excluded
   candidate_type* marked_ = nullptr;  // excluded, not walked yet
   bool suspecting_ = false;
   root_list<Env>* roots_ = nullptr;
-  candidate_type** resolved_ = nullptr;  // up to here
-  candidate_type* rest_ = nullptr;       // not destroyed or put back yet
-  candidate_type* free_ = nullptr;
-  block* blocks_ = nullptr;
 };
 
 }  // namespace SLAMGC_SHARED

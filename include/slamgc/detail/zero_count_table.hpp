@@ -36,6 +36,7 @@
 #include "domain_state.hpp"
 #include "header.hpp"
 #include "note_list.hpp"
+#include "side_block.hpp"
 #include "trial_deletion.hpp"
 
 namespace slamgc {
@@ -52,7 +53,8 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
 
  public:
   explicit zero_count_table(runtime::domain_state<env>& of) noexcept
-      : base(of, &type_key<T>, slamgc::detail::type_name<T>::get(), sizeof(T)) {}
+      : base(of, &type_key<T>, slamgc::detail::type_name<T>::get(), sizeof(T),
+             has_block<T>::value) {}
 
   /// The table of T in @p domain, or null.
   static zero_count_table* find(const runtime::domain_state<env>& domain) noexcept {
@@ -104,7 +106,7 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
         void* const below = header.link.load(std::memory_order_relaxed);  // (11)
         const std::uint64_t word = policy::load(header.state);
         if (is_candidate(word)) {
-          if (!become_candidate(taken_)) return true;
+          if (!become_candidate(taken_, word)) return true;
           base::add(this->left_, 1);
         } else {
           if (!notes_.add({taken_, word})) return true;
@@ -122,6 +124,20 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
 
   std::uint64_t word_of(const void* object) const noexcept override {
     return policy::load(access::header_of(*static_cast<const T*>(object)).state);
+  }
+  runtime::side_block<env>* block_of(void* object) const noexcept override {
+    if constexpr (has_block<T>::value)
+      return owner_of<env>(*static_cast<const T*>(object)).get();
+    else
+      return nullptr;
+  }
+  bool seal(void* object, std::uint64_t noted) noexcept override {
+    auto& state = access::header_of(*static_cast<T*>(object)).state;
+    std::uint64_t now = policy::load(state);
+    do {
+      if (!state_word{now}.same_references({noted})) return false;
+    } while (!policy::compare_exchange(state, now, now));
+    return true;
   }
   const runtime::described_operations<env>& operations() const noexcept override {
     return operations_on<std::conditional_t<has_edges<T>::value, T, no_edges>, env>::table;
@@ -152,7 +168,7 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
       if (w.is_queued() || w.is_retired() || w.is_saturated()) return;
     } while (!policy::compare_exchange(header.state, now, now | state_word::queued_flag));
     zero_count_table* const mine = of(object);
-    if (!mine->become_candidate(&object)) mine->leave_table(object);
+    if (!mine->become_candidate(&object, now)) mine->leave_table(object);
   }
   void condemn(void* object) noexcept override {
     auto& state = access::header_of(*static_cast<T*>(object)).state;
@@ -176,7 +192,7 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
       if (const entry* const soon = notes_.soon()) __builtin_prefetch(soon->object, 1);
       const entry e = notes_.take();
       ++left;
-      if (!is_dead(e)) continue;
+      if (!is_dead(e) || !has_expired(e)) continue;
       // The destructor may do anything, push objects of this type included.
       destroy_object(e.object);
       ++destroyed;
@@ -202,13 +218,15 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
       const state_word w{now};
       if (w.count() == 0) {
         if (w.same_references({e.noted})) return true;
+        if (auto* const block = this->block_of(e.object)) block->disturbed();
         push(e.object);
         return false;
       }
       if (is_candidate(now)) {
-        if (!become_candidate(e.object)) push(e.object);
+        if (!become_candidate(e.object, now)) push(e.object);
         return false;
       }
+      if (auto* const block = this->block_of(e.object)) block->undisturbed();
       if (clear_queued(header, now)) return false;
     }
   }
@@ -233,13 +251,26 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
     return policy::compare_exchange(header.state, now, now & ~state_word::queued_flag);
   }
 
+  /// Whether no weak handle leads to the object any more, which is dead otherwise. Else they expire now, unless
+  /// somebody locks one; and the object enters anew.
+  bool has_expired(const entry& e) noexcept {
+    auto* const block = this->block_of(e.object);
+    if (block == nullptr || block->is_dead()) return true;
+    if (!runtime::decide_alone(this->domain.collection.trial().decision(), *block,
+                               [&] { return seal(e.object, e.noted); }) &&
+        state_word{word_of(e.object)}.count() == 0)
+      block->disturbed();
+    push(e.object);
+    return false;
+  }
+
   /// Retired, described, and still referred to: in place of leaving, it is tried.
   static constexpr bool is_candidate(std::uint64_t word) noexcept {
     return has_edges<T>::value && state_word{word}.count() != 0 && state_word{word}.is_retired();
   }
   /// False if there is no memory.
-  bool become_candidate(T* object) noexcept {
-    auto* const c = this->domain.collection.trial().add(object, *this);
+  bool become_candidate(T* object, std::uint64_t word) noexcept {
+    auto* const c = this->domain.collection.trial().add(object, *this, word);
     if (c == nullptr) return false;
     // (11) read by collectors alone.
     access::header_of(*object).link.store(candidate::link_to(c), std::memory_order_relaxed);
