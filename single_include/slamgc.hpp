@@ -1729,14 +1729,18 @@ struct edge_target {
   const char* type;
   std::uint64_t word;
   const described_operations<Env>*
-      described;  // null: its type describes no edges, or does not defer
+      described;                            // null: its type describes no edges, or does not defer
+  std::uint64_t (*id)(const void* object);  // null: its type has no report_id()
 };
 
-/// Takes the described references of an object or a root, for reports.
+/// Takes what a collector knows, for reports.
 template <class Env>
 class edge_sink {
  public:
+  /// A described reference of an object or a root.
   virtual void edge(const char* name, const char* disposition, const edge_target<Env>& target) = 0;
+  /// An object that waits in a table.
+  virtual void waiting(const edge_target<Env>& object) = 0;
 
  protected:
   ~edge_sink() = default;
@@ -2246,6 +2250,8 @@ template <class Env>
 class side_block;
 template <class Env>
 struct described_operations;
+template <class Env>
+class edge_sink;
 
 /// The part of a domain's zero-count table for objects of one type; see zero_count_table.hpp.
 template <class Env>
@@ -2288,6 +2294,14 @@ class table_base {
   virtual void condemn(void* object) noexcept = 0;
   /// It was a suspect: is none any more.
   virtual void leave(void* object) noexcept = 0;
+
+  // For reports, by whoever excludes collectors:
+
+  /// Reports one object.
+  virtual void report(const void* object, edge_sink<Env>& to) const = 0;
+  /// Reports the objects that have entered and are no candidates; of those that a mutator has not published yet only if
+  /// the mutators' threads @p stand_still.
+  virtual void report_waiting(edge_sink<Env>& to, bool stand_still) const = 0;
 
   domain_state<Env>& domain;
   const void* const type;
@@ -2481,6 +2495,7 @@ struct candidate {
   bool live;                                  // excluded
   bool suspect;                               // not retired: it is in this round only
   bool purged;                                // a purge has looked for its stale edges
+  std::chrono::nanoseconds since;             // it became one, by the clock of collections
 
   static void* link_to(candidate* c) noexcept {
     return static_cast<char*>(static_cast<void*>(c)) + 1;
@@ -2770,9 +2785,18 @@ class trial_deletion {
   candidate_type* add(void* object, table_base<Env>& table, std::uint64_t word) noexcept {
     candidate_type* const c = all_.add();
     if (c == nullptr) return nullptr;
-    *c = {object, &table, word, edges_.end(), nullptr, 0, 0, 0, 0, true, true, suspecting_, false};
+    *c = {object, &table, word, edges_.end(), nullptr,     0,     0,
+          0,      0,      true, true,         suspecting_, false, now_};
     any_blocks_ = any_blocks_ || table.has_blocks;
     return c;
+  }
+  /// A call of collect() begins: candidates that it finds date from @p now.
+  void begin_call(std::chrono::nanoseconds now) noexcept { now_ = now; }
+  /// Calls f(candidate) for each candidate, while nobody collects.
+  template <class F>
+  void each(F f) const {
+    auto at = all_.begin();
+    while (const candidate_type* const c = at.next()) f(*c);
   }
   /// Steps 1 to 3, before the grace period. False if the limit came first.
   bool find(limit_type& limit) noexcept {
@@ -3060,6 +3084,7 @@ class trial_deletion {
   candidate_type* marked_ = nullptr;  // excluded, not walked yet
   bool suspecting_ = false;
   root_list<Env>* roots_ = nullptr;
+  std::chrono::nanoseconds now_{0};
 };
 
 }  // namespace SLAMGC_SHARED
@@ -3296,6 +3321,18 @@ struct stale_to_owner {
   void each(F) const noexcept {}
 };
 
+/// Whether a type says by which number reports call its objects.
+template <class T, class = void>
+struct has_report_id : std::false_type {};
+template <class T>
+struct has_report_id<
+    T, std::void_t<decltype(static_cast<std::uint64_t>(std::declval<const T&>().report_id()))>>
+    : std::true_type {};
+template <class T>
+std::uint64_t report_id_of(const void* object) {
+  return static_cast<std::uint64_t>(static_cast<const T*>(object)->report_id());
+}
+
 template <class Described, class Env>
 struct operations_on {
   static const runtime::described_operations<Env> table;
@@ -3339,6 +3376,14 @@ struct operations_on {
     if constexpr (is_described<Described>::value) return &table;
     return nullptr;
   }
+  /// What reports say of an object.
+  static runtime::edge_target<Env> target(const Described& object) noexcept {
+    std::uint64_t (*id)(const void*) = nullptr;
+    if constexpr (has_report_id<Described>::value) id = &report_id_of<Described>;
+    return {const_cast<Described*>(&object), type_name<Described>::get(),
+            transitions<policy_of<Described>>::load(access::header_of(object).state).bits,
+            if_described(), id};
+  }
 
  private:
   struct purging_visitor {
@@ -3372,11 +3417,8 @@ struct operations_on {
     void edge(const char* name, Member& member, const Disposition& = {}) {
       edge_member<std::remove_const_t<Member>>::each(member, [&](auto* p) {
         using target = object_of<std::remove_pointer_t<decltype(p)>>;
-        const runtime::edge_target<Env> found{
-            const_cast<target*>(static_cast<const target*>(p)), type_name<target>::get(),
-            transitions<policy_of<target>>::load(access::header_of(*p).state).bits,
-            operations_on<target, Env>::if_described()};
-        to.edge(name, on_retire::name_of(static_cast<Disposition*>(nullptr)), found);
+        to.edge(name, on_retire::name_of(static_cast<Disposition*>(nullptr)),
+                operations_on<target, Env>::target(*p));
       });
     }
   };
@@ -3528,6 +3570,13 @@ class dropped_list {
     } while (!first_.compare_exchange_weak(below, &content, std::memory_order_release,
                                            std::memory_order_relaxed));  // (32)
   }
+  /// What waits, in registries that were cleared. By whoever excludes collectors.
+  std::size_t waiting() const noexcept {
+    std::size_t n = 0;
+    for (const auto* p = taken_; p != nullptr; p = p->next_) ++n;
+    for (auto* p = first_.load(std::memory_order_seq_cst); p != nullptr; p = p->next_) ++n;
+    return n;
+  }
   /// Drops all that was pushed before. By the collector; false if the limit came first.
   bool drop_all(work_limit<Env>& limit) noexcept {
     for (;;) {
@@ -3568,18 +3617,26 @@ class collection {
 
   /// @p thorough: what could be put off is not.
   collected collect(domain& of, const budget& limit, bool thorough = false) noexcept {
-    // (21) acquire: sees what the last collector left behind.
-    if (collecting_.exchange(true, std::memory_order_acquire)) return {outcome::busy, 0};
+    if (!begin_turn()) return {outcome::busy, 0};
     const auto begin = clock::now();
     purge_.begin_call(thorough);
+    trial_.begin_call(begin.time_since_epoch());
     const collected done =
         hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);
     const std::int64_t took = std::chrono::nanoseconds(clock::now() - begin).count();
     if (took > longest_.load(std::memory_order_relaxed))  // (12)
       longest_.store(took, std::memory_order_relaxed);    // (12)
-    // (21) release: to the next collector.
-    collecting_.store(false, std::memory_order_release);
+    end_turn();
     return done;
+  }
+  /// Calls f(the collector) while nobody else collects: nothing is destroyed meanwhile but by @p f, which must not throw.
+  /// False: somebody collects.
+  template <class F>
+  bool take_turn(domain& of, F f) noexcept {
+    if (!begin_turn()) return false;
+    as_collector(of, f);
+    end_turn();
+    return true;
   }
   void refuse() noexcept { refused_.fetch_add(1, std::memory_order_relaxed); }  // (12)
 
@@ -3600,6 +3657,7 @@ class collection {
   trial_deletion<Env>& trial() noexcept { return trial_; }
   root_list<Env>& roots() noexcept { return roots_; }
   void drop(dropped_base<Env>& content) noexcept { dropped_.push(content); }
+  const dropped_list<Env>& dropped() const noexcept { return dropped_; }
   const purge<Env>& purging() const noexcept { return purge_; }
 
   // ---- reports
@@ -3631,18 +3689,31 @@ class collection {
   using table = table_base<Env>;
   enum class phase { noting, waiting, deciding, purging };
 
-  collected slice(domain& of, const budget& limit, typename clock::time_point begin) noexcept {
+  bool begin_turn() noexcept {
+    // (21) acquire: sees what the last collector left behind.
+    return !collecting_.exchange(true, std::memory_order_acquire);
+  }
+  void end_turn() noexcept {
+    // (21) release: to the next collector.
+    collecting_.store(false, std::memory_order_release);
+  }
+  template <class F>
+  static void as_collector(domain& of, F f) noexcept {
     for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
       if (p->domain == &of) p->publish();
+    participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
+    const participation<Env> taking_part(me);
+    me.pass_quiescent_state();
+    f(me);
+  }
+
+  collected slice(domain& of, const budget& limit, typename clock::time_point begin) noexcept {
     collected done;
-    {
-      participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
-      const participation<Env> as_collector(me);
-      me.pass_quiescent_state();
+    as_collector(of, [&](participant<Env>& me) {
       work_limit<Env> work(limit.objects, limit.time, begin);
       done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
       me.publish();
-    }
+    });
     return done;
   }
 
@@ -3980,6 +4051,24 @@ class note_list {
 
   /// A note that take() may return a few calls later, for a prefetch; or one that was taken long ago, or null.
   const Note* soon() const noexcept { return filled_ - taken_ > 8 ? taken_ + 8 : nullptr; }
+
+  /// Calls f(note) for each note, the oldest first.
+  template <class F>
+  void each(F f) const {
+    const link* at = &near_;
+    const Note* note = taken_;
+    const Note* end = filled_;
+    // Where notes are taken from is the first block that there is, near or far.
+    if (in_far_block_) at = near_.next;
+    for (;;) {
+      if (at == last_) end = added_;
+      for (; note != end; ++note) f(*note);
+      if (at == last_) return;
+      at = at->next;
+      note = static_cast<const far_block*>(at)->notes;
+      end = note + far_size;
+    }
+  }
 
   /// Takes the oldest; not of an empty list.
   Note take() noexcept {
@@ -4671,6 +4760,25 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
     leave_table(*static_cast<T*>(object));
   }
 
+  void report(const void* object, runtime::edge_sink<env>& to) const override {
+    to.waiting(operations_on<T, env>::target(*static_cast<const T*>(object)));
+  }
+  void report_waiting(runtime::edge_sink<env>& to, bool stand_still) const override {
+    const auto report_stack = [&](const void* newest) {
+      for (auto* at = static_cast<const T*>(newest); at != nullptr;) {
+        report(at, to);
+        // Collectors alone take from a stack, and who pushes to it writes only links of its own.
+        at = static_cast<const T*>(access::header_of(*at).link.load(std::memory_order_seq_cst));
+      }
+    };
+    for (const door& d : this->doors_) {
+      report_stack(d.first.load(std::memory_order_seq_cst));
+      if (stand_still) report_stack(d.chain);
+    }
+    report_stack(taken_);
+    notes_.each([&](const entry& e) { report(e.object, to); });
+  }
+
   bool decide(runtime::work_limit<env>& limit, std::size_t& reclaimed) noexcept override {
     std::size_t left = 0;
     std::size_t destroyed = 0;
@@ -5164,6 +5272,67 @@ bool retire(T* p) noexcept {
 /// @file
 /// The counted pointer for members: an edge of the graph.
 
+// ---- slamgc/detail/counted_member.hpp ----
+/// @file
+/// What all counted members have in common: in the checked flavour, a watcher of the thread hears of each.
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// Hears where counted members begin and end on one thread: see diagnosis/check_description.hpp.
+class member_watcher {
+ public:
+  virtual void made(const void* member, const char* type) noexcept = 0;
+  virtual void ended(const void* member) noexcept = 0;
+
+  /// The calling thread's, or null.
+  static member_watcher*& current() noexcept { return std_env::thread_record<place>().watcher; }
+
+ protected:
+  ~member_watcher() = default;
+
+ private:
+  struct place {
+    member_watcher* watcher;
+  };
+};
+
+/// Base class of counted members, without any size. @p Name is what reports call its type. In the unchecked flavour there is
+/// nothing to it.
+template <class Name>
+class counted_member {
+#if SLAMGC_DEBUG
+ protected:
+  constexpr counted_member() noexcept {
+    if (__builtin_is_constant_evaluated()) return;  // a static object
+    if (auto* const watcher = member_watcher::current())
+      watcher->made(this, type_name<Name>::get());
+  }
+  ~counted_member() {
+    if (auto* const watcher = member_watcher::current()) watcher->ended(this);
+  }
+  counted_member(const counted_member&) = delete;
+  counted_member& operator=(const counted_member&) = delete;
+#endif
+};
+
+/// Finds that base.
+struct member_access {
+  template <class Name>
+  static const void* address(const counted_member<Name>& member) noexcept {
+    return &member;
+  }
+  template <class Member>
+  static const void* of(const Member& member) noexcept {
+    return address(member);
+  }
+};
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
+
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
@@ -5180,7 +5349,7 @@ inline namespace SLAMGC_FLAVOUR {
 /// slot, so the same holds for them. All operations are O(1), apart from a destructor that the last
 /// reference sets off.
 template <class T, class Env>
-class rc_slot {
+class rc_slot : private detail::counted_member<rc_slot<T, Env>> {
   static_assert(!std::is_pointer<T>::value,
                 "slamgc: write rc_slot<KeyFrame>, not rc_slot<KeyFrame*>");
 
@@ -5272,6 +5441,8 @@ class rc_slot {
   }
 
  private:
+  friend struct detail::member_access;
+
   /// Stores @p p, which is counted already; whatever stood here is the caller's.
   T* replace(T* p) noexcept {
     // (10) release: publishes the object and its count to (9) and (10); acquire: the caller may be
@@ -5509,7 +5680,7 @@ inline namespace SLAMGC_FLAVOUR {
 ///
 /// Thread-safety: any thread at any time. All operations are lock-free and O(1).
 template <class T, class Env>
-class atomic_rc {
+class atomic_rc : private detail::counted_member<atomic_rc<T, Env>> {
  public:
   using value_type = intrusive_rc<T>;  ///< What load() returns.
 
@@ -5560,6 +5731,8 @@ class atomic_rc {
   }
 
  private:
+  friend struct detail::member_access;
+
   template <class Exchange>
   static bool compare_exchange(T*& expected, intrusive_rc<T> desired, Exchange exchange) noexcept {
     check_borrower();
@@ -5814,7 +5987,7 @@ struct ends_with_pop_back<Std, std::void_t<decltype(std::declval<Std&>().pop_bac
 /// @tparam Iterator  What begin() and the like return: `Std::iterator` where it cannot write a counted
 ///                   pointer, `Std::const_iterator` where it could.
 template <class T, class Std, class Reference, class Iterator = typename Std::iterator>
-class counted_container {
+class counted_container : private counted_member<Std> {
   static_assert(
       !std::is_pointer<T>::value,
       "slamgc: name the object, not the pointer: rc_vector<KeyFrame>, rc_map<KeyFrame, int>");
@@ -5897,7 +6070,9 @@ class counted_container {
   counted_container() = default;
   explicit counted_container(const Std& content) : std_(content) { add_all(); }
   explicit counted_container(Std&& content) noexcept : std_(std::move(content)) { add_all(); }
-  counted_container(const counted_container& other) : std_(other.std_) { add_all(); }
+  counted_container(const counted_container& other) : counted_member<Std>(), std_(other.std_) {
+    add_all();
+  }
   counted_container(counted_container&& other) noexcept
       : std_((other.move_all(), std::move(other.std_))) {
     other.std_.clear();
@@ -5969,6 +6144,7 @@ class counted_container {
   }
 
   friend struct container_access;
+  friend struct member_access;
   Std std_;
 };
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "deferred.hpp"
+#include "detail/counted_member.hpp"
 #include "detail/header.hpp"
 #include "detail/participant.hpp"
 #include "fwd.hpp"
@@ -24,7 +25,7 @@ inline namespace SLAMGC_FLAVOUR {
 ///
 /// Thread-safety: any thread at any time. All operations are lock-free and O(1).
 template <class T, class Env>
-class atomic_rc {
+class atomic_rc : private detail::counted_member<atomic_rc<T, Env>> {
  public:
   using value_type = intrusive_rc<T>;  ///< What load() returns.
 
@@ -75,6 +76,8 @@ class atomic_rc {
   }
 
  private:
+  friend struct detail::member_access;
+
   template <class Exchange>
   static bool compare_exchange(T*& expected, intrusive_rc<T> desired, Exchange exchange) noexcept {
     check_borrower();

@@ -6,6 +6,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "detail/counted_member.hpp"
 #include "detail/header.hpp"
 #include "env.hpp"
 #include "fwd.hpp"
@@ -27,7 +28,7 @@ inline namespace SLAMGC_FLAVOUR {
 /// slot, so the same holds for them. All operations are O(1), apart from a destructor that the last
 /// reference sets off.
 template <class T, class Env>
-class rc_slot {
+class rc_slot : private detail::counted_member<rc_slot<T, Env>> {
   static_assert(!std::is_pointer<T>::value,
                 "slamgc: write rc_slot<KeyFrame>, not rc_slot<KeyFrame*>");
 
@@ -119,6 +120,8 @@ class rc_slot {
   }
 
  private:
+  friend struct detail::member_access;
+
   /// Stores @p p, which is counted already; whatever stood here is the caller's.
   T* replace(T* p) noexcept {
     // (10) release: publishes the object and its count to (9) and (10); acquire: the caller may be

@@ -9,13 +9,14 @@ packages_of() {
   case "$1" in
     build) echo cmake=cmake ninja-build=ninja ;;
     demo) echo g++=c++ ;;
-    gtest) echo python3=python3 libgtest-dev=/usr/include/gtest/gtest.h ;;
+    pictures) echo graphviz=dot ;;
+    gtest) echo python3=python3 libgtest-dev=/usr/include/gtest/gtest.h '?graphviz=dot' ;;
     docs) echo python3=python3 doxygen=doxygen '?clang-format-14' '?clang-tidy-14' '?shellcheck' ;;
     gcc-release)
       packages_of gtest
       echo pkg-config=pkg-config libboost-dev=/usr/include/boost/version.hpp valgrind=valgrind libbenchmark-dev '?relacy-dev'
       ;;
-    benchmark) echo python3=python3 libboost-dev libbenchmark-dev valgrind=valgrind '?python3-matplotlib' '?liburcu-dev' '?libxenium-dev' '?libcds-dev' ;;
+    benchmark) echo python3=python3 libboost-dev libbenchmark-dev valgrind=valgrind '?zlib1g-dev' '?python3-matplotlib' '?liburcu-dev' '?libxenium-dev' '?libcds-dev' ;;
     clang)
       packages_of gtest
       # libFuzzer comes with the runtime libraries of the clang that was chosen.

@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <cstdlib>
 #include <new>
+#include <random>
 #include <slamgc/slamgc.hpp>
 #include <thread>
 
 #include "support/instances.hpp"
+#include "unit/redundancy/world.hpp"
 
 namespace {
 
@@ -426,6 +428,86 @@ TEST(AllocationFailure, ARegistryThatFindsNoMemoryRetiresAtOnce) {
   const mutator::offline_scope offline(m);
   ASSERT_EQ(d.drain(), slamgc::waited::done);
   EXPECT_EQ(frame::live(), 0);
+}
+
+// A loose end cannot be noted: the announcement is refused, and the index is as it was.
+TEST(AllocationFailure, OfALooseEndIsRefused) {
+  using namespace redundancy_test;
+  constexpr int keyframes = 5, points = 4, slots = 4;
+  world<8, slamgc::std_env> w(keyframes, points, red::rule{2, 1, 1, 2});
+  std::minstd_rand random(1);
+  const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+  make_keyframes(w, slots, random);
+  const auto failing = [&](auto f) {
+    until_failure = below(2) == 0 ? -1 : below(2);
+    const red::status s = f(w.histogram);
+    until_failure = -1;
+    return s;
+  };
+  int refused = 0;
+  for (int i = 0; i != 20000; ++i) {
+    const int k = below(keyframes), p = below(points), slot = below(slots);
+    auto& kf = w.keyframes[world<8, slamgc::std_env>::at(k)];
+    auto& pt = w.points[world<8, slamgc::std_env>::at(p)];
+    const auto at = static_cast<std::size_t>(slot);
+    red::status s = red::status::ok;
+    switch (below(5)) {
+      case 0:
+        if (!kf.known) kf.points[at] = p;
+        s = failing([&](auto& index) { return index.add_keyframe(k); });
+        kf.known |= s == red::status::ok;
+        break;
+      case 1:
+        s = failing([&](auto& index) {
+          return index.set_observation(k, p, {slot, kf.levels[at]});
+        });
+        if (s == red::status::ok) pt.observers[k] = {slot, kf.levels[at]};
+        break;
+      case 2:
+        s = failing([&](auto& index) { return index.erase_observation(k, p); });
+        if (s == red::status::ok) pt.observers.erase(k);
+        break;
+      case 3:
+        s = failing([&](auto& index) { return index.set_slot(k, slot, p); });
+        if (s == red::status::ok) kf.points[at] = p;
+        break;
+      default:
+        s = failing([&](auto& index) { return index.clear_slot(k, slot); });
+        if (s == red::status::ok) kf.points[at] = none;
+        break;
+    }
+    refused += s == red::status::out_of_memory;
+    for (int each = 0; each != keyframes; ++each) {
+      const red::verdict expected = w.oracle(each), v = w.histogram.check(each);
+      ASSERT_EQ(v.result, expected.result) << "event " << i;
+      ASSERT_EQ(v.eligible_slots, expected.eligible_slots) << "event " << i;
+      ASSERT_EQ(v.redundant_slots, expected.redundant_slots) << "event " << i;
+    }
+  }
+  EXPECT_GT(refused, 500);
+  // The same for a map that is loaded: as often as it takes.
+  decltype(w) loaded(keyframes, points, w.rule);
+  for (std::size_t k = 0; k != loaded.keyframes.size(); ++k) {
+    loaded.keyframes[k].points = w.keyframes[k].points;
+    loaded.keyframes[k].levels = w.keyframes[k].levels;
+    loaded.keyframes[k].eligible = w.keyframes[k].eligible;
+  }
+  for (std::size_t p = 0; p != loaded.points.size(); ++p)
+    loaded.points[p].observers = w.points[p].observers;
+  for (int pass = 0; pass != 2; ++pass)
+    for (int i = 0; i != (pass == 0 ? keyframes : points); ++i) {
+      int n = 0;
+      red::status s = red::status::out_of_memory;
+      for (; s == red::status::out_of_memory; ++n) {
+        until_failure = n;
+        s = pass == 0 ? loaded.histogram.add_keyframe(i) : loaded.histogram.add_point(i);
+        until_failure = -1;
+      }
+      ASSERT_EQ(s, red::status::ok);
+      if (pass == 0) loaded.keyframes[static_cast<std::size_t>(i)].known = true;
+    }
+  for (int k = 0; k != keyframes; ++k)
+    EXPECT_EQ(loaded.histogram.check(k).redundant_slots, loaded.oracle(k).redundant_slots);
 }
 
 }  // namespace

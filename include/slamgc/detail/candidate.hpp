@@ -2,6 +2,7 @@
 /// What a round of trial deletion knows: candidates, and the references between them.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -97,6 +98,7 @@ struct candidate {
   bool live;                                  // excluded
   bool suspect;                               // not retired: it is in this round only
   bool purged;                                // a purge has looked for its stale edges
+  std::chrono::nanoseconds since;             // it became one, by the clock of collections
 
   static void* link_to(candidate* c) noexcept {
     return static_cast<char*>(static_cast<void*>(c)) + 1;

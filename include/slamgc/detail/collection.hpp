@@ -36,18 +36,26 @@ class collection {
 
   /// @p thorough: what could be put off is not.
   collected collect(domain& of, const budget& limit, bool thorough = false) noexcept {
-    // (21) acquire: sees what the last collector left behind.
-    if (collecting_.exchange(true, std::memory_order_acquire)) return {outcome::busy, 0};
+    if (!begin_turn()) return {outcome::busy, 0};
     const auto begin = clock::now();
     purge_.begin_call(thorough);
+    trial_.begin_call(begin.time_since_epoch());
     const collected done =
         hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);
     const std::int64_t took = std::chrono::nanoseconds(clock::now() - begin).count();
     if (took > longest_.load(std::memory_order_relaxed))  // (12)
       longest_.store(took, std::memory_order_relaxed);    // (12)
-    // (21) release: to the next collector.
-    collecting_.store(false, std::memory_order_release);
+    end_turn();
     return done;
+  }
+  /// Calls f(the collector) while nobody else collects: nothing is destroyed meanwhile but by @p f, which must not throw.
+  /// False: somebody collects.
+  template <class F>
+  bool take_turn(domain& of, F f) noexcept {
+    if (!begin_turn()) return false;
+    as_collector(of, f);
+    end_turn();
+    return true;
   }
   void refuse() noexcept { refused_.fetch_add(1, std::memory_order_relaxed); }  // (12)
 
@@ -68,6 +76,7 @@ class collection {
   trial_deletion<Env>& trial() noexcept { return trial_; }
   root_list<Env>& roots() noexcept { return roots_; }
   void drop(dropped_base<Env>& content) noexcept { dropped_.push(content); }
+  const dropped_list<Env>& dropped() const noexcept { return dropped_; }
   const purge<Env>& purging() const noexcept { return purge_; }
 
   // ---- reports
@@ -99,18 +108,31 @@ class collection {
   using table = table_base<Env>;
   enum class phase { noting, waiting, deciding, purging };
 
-  collected slice(domain& of, const budget& limit, typename clock::time_point begin) noexcept {
+  bool begin_turn() noexcept {
+    // (21) acquire: sees what the last collector left behind.
+    return !collecting_.exchange(true, std::memory_order_acquire);
+  }
+  void end_turn() noexcept {
+    // (21) release: to the next collector.
+    collecting_.store(false, std::memory_order_release);
+  }
+  template <class F>
+  static void as_collector(domain& of, F f) noexcept {
     for (auto* p = participants<Env>::of_this_thread().innermost; p != nullptr; p = p->outer)
       if (p->domain == &of) p->publish();
+    participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
+    const participation<Env> taking_part(me);
+    me.pass_quiescent_state();
+    f(me);
+  }
+
+  collected slice(domain& of, const budget& limit, typename clock::time_point begin) noexcept {
     collected done;
-    {
-      participant<Env> me{nullptr, &of, nullptr, table::collectors_door, false, false};
-      const participation<Env> as_collector(me);
-      me.pass_quiescent_state();
+    as_collector(of, [&](participant<Env>& me) {
       work_limit<Env> work(limit.objects, limit.time, begin);
       done.result = limit.objects == 0 ? outcome::partial : run(of, me, work, done.reclaimed);
       me.publish();
-    }
+    });
     return done;
   }
 

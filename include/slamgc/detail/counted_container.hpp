@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "../fwd.hpp"
+#include "counted_member.hpp"
 #include "edit_scope.hpp"
 #include "header.hpp"
 
@@ -34,7 +35,7 @@ struct ends_with_pop_back<Std, std::void_t<decltype(std::declval<Std&>().pop_bac
 /// @tparam Iterator  What begin() and the like return: `Std::iterator` where it cannot write a counted
 ///                   pointer, `Std::const_iterator` where it could.
 template <class T, class Std, class Reference, class Iterator = typename Std::iterator>
-class counted_container {
+class counted_container : private counted_member<Std> {
   static_assert(
       !std::is_pointer<T>::value,
       "slamgc: name the object, not the pointer: rc_vector<KeyFrame>, rc_map<KeyFrame, int>");
@@ -117,7 +118,9 @@ class counted_container {
   counted_container() = default;
   explicit counted_container(const Std& content) : std_(content) { add_all(); }
   explicit counted_container(Std&& content) noexcept : std_(std::move(content)) { add_all(); }
-  counted_container(const counted_container& other) : std_(other.std_) { add_all(); }
+  counted_container(const counted_container& other) : counted_member<Std>(), std_(other.std_) {
+    add_all();
+  }
   counted_container(counted_container&& other) noexcept
       : std_((other.move_all(), std::move(other.std_))) {
     other.std_.clear();
@@ -189,6 +192,7 @@ class counted_container {
   }
 
   friend struct container_access;
+  friend struct member_access;
   Std std_;
 };
 

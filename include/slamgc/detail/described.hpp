@@ -133,6 +133,18 @@ struct stale_to_owner {
   void each(F) const noexcept {}
 };
 
+/// Whether a type says by which number reports call its objects.
+template <class T, class = void>
+struct has_report_id : std::false_type {};
+template <class T>
+struct has_report_id<
+    T, std::void_t<decltype(static_cast<std::uint64_t>(std::declval<const T&>().report_id()))>>
+    : std::true_type {};
+template <class T>
+std::uint64_t report_id_of(const void* object) {
+  return static_cast<std::uint64_t>(static_cast<const T*>(object)->report_id());
+}
+
 template <class Described, class Env>
 struct operations_on {
   static const runtime::described_operations<Env> table;
@@ -176,6 +188,14 @@ struct operations_on {
     if constexpr (is_described<Described>::value) return &table;
     return nullptr;
   }
+  /// What reports say of an object.
+  static runtime::edge_target<Env> target(const Described& object) noexcept {
+    std::uint64_t (*id)(const void*) = nullptr;
+    if constexpr (has_report_id<Described>::value) id = &report_id_of<Described>;
+    return {const_cast<Described*>(&object), type_name<Described>::get(),
+            transitions<policy_of<Described>>::load(access::header_of(object).state).bits,
+            if_described(), id};
+  }
 
  private:
   struct purging_visitor {
@@ -209,11 +229,8 @@ struct operations_on {
     void edge(const char* name, Member& member, const Disposition& = {}) {
       edge_member<std::remove_const_t<Member>>::each(member, [&](auto* p) {
         using target = object_of<std::remove_pointer_t<decltype(p)>>;
-        const runtime::edge_target<Env> found{
-            const_cast<target*>(static_cast<const target*>(p)), type_name<target>::get(),
-            transitions<policy_of<target>>::load(access::header_of(*p).state).bits,
-            operations_on<target, Env>::if_described()};
-        to.edge(name, on_retire::name_of(static_cast<Disposition*>(nullptr)), found);
+        to.edge(name, on_retire::name_of(static_cast<Disposition*>(nullptr)),
+                operations_on<target, Env>::target(*p));
       });
     }
   };

@@ -2,6 +2,8 @@
 /// What cleared registries held, on its way to the collector.
 #pragma once
 
+#include <cstddef>
+
 #include "../env.hpp"
 #include "../fwd.hpp"
 #include "table_base.hpp"
@@ -43,6 +45,13 @@ class dropped_list {
       // (32) release: publishes the content to take().
     } while (!first_.compare_exchange_weak(below, &content, std::memory_order_release,
                                            std::memory_order_relaxed));  // (32)
+  }
+  /// What waits, in registries that were cleared. By whoever excludes collectors.
+  std::size_t waiting() const noexcept {
+    std::size_t n = 0;
+    for (const auto* p = taken_; p != nullptr; p = p->next_) ++n;
+    for (auto* p = first_.load(std::memory_order_seq_cst); p != nullptr; p = p->next_) ++n;
+    return n;
   }
   /// Drops all that was pushed before. By the collector; false if the limit came first.
   bool drop_all(work_limit<Env>& limit) noexcept {

@@ -160,14 +160,18 @@ struct edge_target {
   const char* type;
   std::uint64_t word;
   const described_operations<Env>*
-      described;  // null: its type describes no edges, or does not defer
+      described;                            // null: its type describes no edges, or does not defer
+  std::uint64_t (*id)(const void* object);  // null: its type has no report_id()
 };
 
-/// Takes the described references of an object or a root, for reports.
+/// Takes what a collector knows, for reports.
 template <class Env>
 class edge_sink {
  public:
+  /// A described reference of an object or a root.
   virtual void edge(const char* name, const char* disposition, const edge_target<Env>& target) = 0;
+  /// An object that waits in a table.
+  virtual void waiting(const edge_target<Env>& object) = 0;
 
  protected:
   ~edge_sink() = default;

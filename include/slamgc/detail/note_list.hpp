@@ -37,6 +37,24 @@ class note_list {
   /// A note that take() may return a few calls later, for a prefetch; or one that was taken long ago, or null.
   const Note* soon() const noexcept { return filled_ - taken_ > 8 ? taken_ + 8 : nullptr; }
 
+  /// Calls f(note) for each note, the oldest first.
+  template <class F>
+  void each(F f) const {
+    const link* at = &near_;
+    const Note* note = taken_;
+    const Note* end = filled_;
+    // Where notes are taken from is the first block that there is, near or far.
+    if (in_far_block_) at = near_.next;
+    for (;;) {
+      if (at == last_) end = added_;
+      for (; note != end; ++note) f(*note);
+      if (at == last_) return;
+      at = at->next;
+      note = static_cast<const far_block*>(at)->notes;
+      end = note + far_size;
+    }
+  }
+
   /// Takes the oldest; not of an empty list.
   Note take() noexcept {
     if (taken_ == filled_) next_block();

@@ -118,6 +118,8 @@ template <class Env>
 class side_block;
 template <class Env>
 struct described_operations;
+template <class Env>
+class edge_sink;
 
 /// The part of a domain's zero-count table for objects of one type; see zero_count_table.hpp.
 template <class Env>
@@ -160,6 +162,14 @@ class table_base {
   virtual void condemn(void* object) noexcept = 0;
   /// It was a suspect: is none any more.
   virtual void leave(void* object) noexcept = 0;
+
+  // For reports, by whoever excludes collectors:
+
+  /// Reports one object.
+  virtual void report(const void* object, edge_sink<Env>& to) const = 0;
+  /// Reports the objects that have entered and are no candidates; of those that a mutator has not published yet only if
+  /// the mutators' threads @p stand_still.
+  virtual void report_waiting(edge_sink<Env>& to, bool stand_still) const = 0;
 
   domain_state<Env>& domain;
   const void* const type;

@@ -21,6 +21,7 @@
 /// place of a second, synchronous walk is ours.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <new>
@@ -51,9 +52,18 @@ class trial_deletion {
   candidate_type* add(void* object, table_base<Env>& table, std::uint64_t word) noexcept {
     candidate_type* const c = all_.add();
     if (c == nullptr) return nullptr;
-    *c = {object, &table, word, edges_.end(), nullptr, 0, 0, 0, 0, true, true, suspecting_, false};
+    *c = {object, &table, word, edges_.end(), nullptr,     0,     0,
+          0,      0,      true, true,         suspecting_, false, now_};
     any_blocks_ = any_blocks_ || table.has_blocks;
     return c;
+  }
+  /// A call of collect() begins: candidates that it finds date from @p now.
+  void begin_call(std::chrono::nanoseconds now) noexcept { now_ = now; }
+  /// Calls f(candidate) for each candidate, while nobody collects.
+  template <class F>
+  void each(F f) const {
+    auto at = all_.begin();
+    while (const candidate_type* const c = at.next()) f(*c);
   }
   /// Steps 1 to 3, before the grace period. False if the limit came first.
   bool find(limit_type& limit) noexcept {
@@ -341,6 +351,7 @@ class trial_deletion {
   candidate_type* marked_ = nullptr;  // excluded, not walked yet
   bool suspecting_ = false;
   root_list<Env>* roots_ = nullptr;
+  std::chrono::nanoseconds now_{0};
 };
 
 }  // namespace SLAMGC_SHARED

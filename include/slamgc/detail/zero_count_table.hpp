@@ -183,6 +183,25 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
     leave_table(*static_cast<T*>(object));
   }
 
+  void report(const void* object, runtime::edge_sink<env>& to) const override {
+    to.waiting(operations_on<T, env>::target(*static_cast<const T*>(object)));
+  }
+  void report_waiting(runtime::edge_sink<env>& to, bool stand_still) const override {
+    const auto report_stack = [&](const void* newest) {
+      for (auto* at = static_cast<const T*>(newest); at != nullptr;) {
+        report(at, to);
+        // Collectors alone take from a stack, and who pushes to it writes only links of its own.
+        at = static_cast<const T*>(access::header_of(*at).link.load(std::memory_order_seq_cst));
+      }
+    };
+    for (const door& d : this->doors_) {
+      report_stack(d.first.load(std::memory_order_seq_cst));
+      if (stand_still) report_stack(d.chain);
+    }
+    report_stack(taken_);
+    notes_.each([&](const entry& e) { report(e.object, to); });
+  }
+
   bool decide(runtime::work_limit<env>& limit, std::size_t& reclaimed) noexcept override {
     std::size_t left = 0;
     std::size_t destroyed = 0;

@@ -58,6 +58,23 @@ TEST(NoteList, APrefetchIsOfAPlaceInTheList) {
   }
 }
 
+TEST(NoteList, EachNoteThatIsLeft) {
+  for (const std::size_t n : {0u, 1u, 32u, 33u, 1055u, 1056u, 5000u}) {
+    list l;
+    for (std::size_t i = 0; i != n; ++i) ASSERT_TRUE(l.add(i));
+    for (std::size_t taken = 0; taken <= n; ++taken) {
+      if (n < 2000 || taken % 97 == 0) {
+        std::size_t expected = taken;
+        l.each([&](std::size_t note) { ASSERT_EQ(note, expected++); });
+        ASSERT_EQ(expected, n) << taken;
+      }
+      if (taken != n) {
+        ASSERT_EQ(l.take(), taken);
+      }
+    }
+  }
+}
+
 TEST(NoteList, MayEndWithNotes) {
   for (const std::size_t n : {1u, 33u, 5000u}) {
     list l;
