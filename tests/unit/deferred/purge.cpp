@@ -159,10 +159,6 @@ TEST_F(Purge, WhatIsHeldStays) {
 }
 
 TEST_F(Purge, EdgesOfStuckObjectsArePurgedToo) {
-<<<<<<< HEAD
-  node* other = nullptr;
-=======
->>>>>>> 622aa6c04b054e25afe0d6be4f0e113b01d53eb7
   {
     const online scope(me);
     held = new node;
