@@ -119,7 +119,9 @@ TEST_F(Root, WhoseOwnerPassesAQuiescentState) {
   slamgc::retire(p);
   for (int i = 0; i != 6; ++i) {
     std::thread([&] { (void)domain.collect(); }).join();
-    if (i == 0) EXPECT_EQ(m.last, p) << "nobody else touches it";
+    if (i == 0) {
+      EXPECT_EQ(m.last, p) << "nobody else touches it";
+    }
     owner.quiescent();
   }
   EXPECT_EQ(m.last, nullptr);
