@@ -97,7 +97,10 @@ class trial_deletion {
         walked_ = c;
         c->first_edge = edges_.end();
         c->edges = 0;
-        if (!c->fresh && !c->table->walk(c->object, *this)) mark(*c);
+        if (!c->fresh && !c->table->walk(c->object, *this)) {
+          threw_ = true;
+          mark(*c);
+        }
         if (out_of_memory_) return give_up();
         if (!limit.spend()) return false;
       }
@@ -155,7 +158,10 @@ class trial_deletion {
     if (phase_ == phase::severing) {
       while (candidate_type* const c = next()) {
         if (c->live) continue;
-        if (!c->table->sever(c->object)) mark(*c);
+        if (!c->table->sever(c->object)) {
+          threw_ = true;
+          mark(*c);
+        }
         if (!limit.spend()) return false;
       }
       // What could not be severed stays, with what it refers to.
@@ -178,6 +184,8 @@ class trial_deletion {
 
   /// Whether a candidate is referred to from elsewhere in a way that no purge has seen yet.
   bool unpurged() const noexcept { return unpurged_; }
+  /// Whether some edges() threw in the last round: another one may find more, although no word changes.
+  bool threw() const noexcept { return threw_; }
   /// Calls f(candidate) for each candidate, before a purge. Another round will see what it changes, a grace period later.
   template <class F>
   void begin_purge(F f) noexcept {
@@ -234,7 +242,9 @@ class trial_deletion {
   void start(phase p) noexcept {
     phase_ = p;
     at_ = all_.begin();
-    if (p == phase::recording) edges_.clear();
+    if (p != phase::recording) return;
+    edges_.clear();
+    threw_ = false;
   }
   candidate_type* next() noexcept { return at_.next(); }
   void mark(candidate_type& c) noexcept {
@@ -338,6 +348,7 @@ class trial_deletion {
   bool changed_ = false;
   bool unsettled_ = false;
   bool unpurged_ = false;
+  bool threw_ = false;          // some edges(), in the last round
   bool purged_ = false;         // since the last round began
   bool any_blocks_ = false;     // some candidate's type has them
   bool marked_blocks_ = false;  // in this decision
