@@ -97,10 +97,7 @@ class trial_deletion {
         walked_ = c;
         c->first_edge = edges_.end();
         c->edges = 0;
-        if (!c->fresh && !c->table->walk(c->object, *this)) {
-          threw_ = true;
-          mark(*c);
-        }
+        if (!c->fresh && !c->table->walk(c->object, *this)) has_thrown(*c);
         if (out_of_memory_) return give_up();
         if (!limit.spend()) return false;
       }
@@ -158,10 +155,7 @@ class trial_deletion {
     if (phase_ == phase::severing) {
       while (candidate_type* const c = next()) {
         if (c->live) continue;
-        if (!c->table->sever(c->object)) {
-          threw_ = true;
-          mark(*c);
-        }
+        if (!c->table->sever(c->object)) has_thrown(*c);
         if (!limit.spend()) return false;
       }
       // What could not be severed stays, with what it refers to.
@@ -256,6 +250,10 @@ class trial_deletion {
       unpurged_ = true;
     c.next_marked = marked_;
     marked_ = &c;
+  }
+  void has_thrown(candidate_type& c) noexcept {
+    threw_ = true;
+    mark(c);
   }
   /// Marks what the marked ones refer to. False if the limit came first.
   bool exclude_marked(limit_type& limit) noexcept {
