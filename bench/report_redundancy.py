@@ -36,6 +36,9 @@ class Results:
                 self.sessions.append(name[1])
             if name[0] == "pass" and int(name[2]) not in self.axes[name[1]]:
                 self.axes[name[1]].append(int(name[2]))
+        # Repetitions are interleaved, so that the order of the results says nothing.
+        self.sessions.sort()
+        self.axes = {axis: sorted(self.axes[axis]) for axis in sorted(self.axes)}
         self.machine = dict(text.split(" ", 1)
                             for text in (directory / "machine.txt").read_text().splitlines())
 

@@ -1162,7 +1162,7 @@ inline constexpr erase_edge erase{};  ///< See erase_edge.
 /// erase_with().
 template <class... Companions>
 struct erase_edge_with {
-  std::tuple<Companions&...> companions;
+  std::tuple<Companions&...> companions;  ///< What loses the same elements.
 };
 /// The element is erased from its rc_vector or rc_list, and with it what stands at the same place in each of
 /// @p companions: sequences of the same length, under the same lock. Of another length: nothing happens, and the checked
@@ -1175,12 +1175,13 @@ erase_edge_with<Companions...> erase_with(Companions&... companions) noexcept {
 /// See bypass().
 template <class Next>
 struct bypass_edge {
-  Next next;
+  Next next;  ///< What comes after a retired object.
 };
 /// The slot or element refers to what @p next(retired) returns instead, which may be null; and if that is retired too,
-/// to what comes next. For chains, whose retired members are to be stepped over. @p next is called with the locks of
-/// edges() held; it may do what belongs to it, such as adding the retired keyframe's measurements to those of its neighbour,
-/// but must not throw. (Another thread may assign the slot at the same time: then it was called in vain.)
+/// to what comes next (in a retired object that is still referred to: at most 64 of them, then null). For chains, whose
+/// retired members are to be stepped over. @p next is called with the locks of edges() held; it may do what belongs to it,
+/// such as adding the retired keyframe's measurements to those of its neighbour, but must not throw. (Another thread may
+/// assign the slot at the same time: then it was called in vain.)
 template <class Next>
 bypass_edge<Next> bypass(Next next) noexcept {
   return {std::move(next)};
@@ -1562,7 +1563,8 @@ struct edge_member<rc_unordered_map<T, M, Options...>>
 /// **When.** Trial deletion excludes a candidate that is referred to from elsewhere. A purge is due if, since the last one
 /// began, such a candidate has appeared or a reference to one was added or moved (its version). Else the last purge has seen
 /// all references to it, and those that are left are held or not described. That is true unless an edge moved past the walk:
-/// so if the references that a purge has seen do not add up to the count, it is due again after 1, 2, 4, ... calls.
+/// so if the references that a purge has seen do not add up to the count, or if some edges() threw, it is due again after 1, 2,
+/// 4, ..., 1024, 1024, ... calls.
 ///
 /// **Edges of stuck objects** are purged, too. Else a retired keyframe that one member of a thread holds would keep the next one
 /// that is retired, and that one the next: one old reference, and nothing would be reclaimed any more. What the program needs
@@ -1573,6 +1575,8 @@ struct edge_member<rc_unordered_map<T, M, Options...>>
 ///
 /// Each step visits one object: its edges are the longest that a lock of the program is held. O(live objects + edges);
 /// stuck objects are looked up in keyed containers.
+
+#include <algorithm>
 
 // ---- slamgc/detail/heap_walk.hpp ----
 /// @file
@@ -2511,10 +2515,11 @@ template <class Env>
 class candidate_list {
   struct block {
     static constexpr std::size_t size = 255;
+    static constexpr std::size_t ahead = 8;
     block* next = nullptr;
     candidate<Env>* unused = nullptr;
     std::size_t used = 0;
-    candidate<Env> candidates[size];
+    candidate<Env> candidates[size + ahead];  // the last ones are never used
   };
 
  public:
@@ -2526,8 +2531,8 @@ class candidate_list {
       for (; block_ != nullptr; block_ = block_->next, index_ = 0) {
         while (index_ != block::size) {
           candidate<Env>& c = block_->candidates[index_++];
-          if (index_ + ahead < block::size)
-            __builtin_prefetch(block_->candidates[index_ + ahead].object);
+          // Objects lie anywhere: their words arrive while others are worked on.
+          __builtin_prefetch((&c)[block::ahead].object);
           if (c.object != nullptr) return &c;
         }
       }
@@ -2536,8 +2541,6 @@ class candidate_list {
 
    private:
     friend class candidate_list;
-    /// Objects lie anywhere: their words arrive while others are worked on.
-    static constexpr std::size_t ahead = 8;
     block* block_ = nullptr;
     std::size_t index_ = 0;
   };
@@ -2587,6 +2590,8 @@ class candidate_list {
   bool grow() noexcept {
     block* const more = new (std::nothrow) block;
     if (more == nullptr) return false;
+    for (std::size_t i = 0; i != block::ahead; ++i)
+      more->candidates[block::size + i].object = nullptr;
     for (std::size_t i = block::size; i-- != 0;) {
       more->candidates[i].object = nullptr;
       more->candidates[i].next_marked = more->unused;
@@ -2807,16 +2812,16 @@ class trial_deletion {
       start(phase::beginning);
     }
     if (phase_ == phase::beginning) {
-      while (candidate_type* const c = next()) {
+      const bool all = go_through(limit, [this](candidate_type& c) {
         // A new one was noted when it was added: a while ago is as good.
-        const std::uint64_t now = c->fresh ? c->noted : c->table->word_of(c->object);
-        changed_ = changed_ || c->fresh || !same_references(now, c->noted);
-        c->noted = now;
-        c->inner = 0;
-        c->fresh = c->live = false;
+        const std::uint64_t now = c.fresh ? c.noted : c.table->word_of(c.object);
+        changed_ = changed_ || c.fresh || !same_references(now, c.noted);
+        c.noted = now;
+        c.inner = 0;
+        c.fresh = c.live = false;
         ++left_;
-        if (!limit.spend()) return false;
-      }
+      });
+      if (!all) return false;
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
       // stored it yet will have done so after a grace period: so one more round after the last change. A round with suspects
       // comes to its end, even if no root has any: else the suspicion would last.
@@ -2826,14 +2831,14 @@ class trial_deletion {
       start(worth_it ? phase::recording : phase::idle);
     }
     if (phase_ == phase::recording) {
-      while (candidate_type* const c = next()) {
-        walked_ = c;
-        c->first_edge = edges_.end();
-        c->edges = 0;
-        if (!c->fresh && !c->table->walk(c->object, *this)) mark(*c);
-        if (out_of_memory_) return give_up();
-        if (!limit.spend()) return false;
-      }
+      const bool all = go_through(limit, [this](candidate_type& c) {
+        walked_ = &c;
+        c.first_edge = edges_.end();
+        c.edges = 0;
+        if (!out_of_memory_ && !c.table->walk(c.object, *this)) has_thrown(c);
+      });
+      if (out_of_memory_) return give_up();
+      if (!all) return false;
       if (suspecting_) {
         walked_ = nullptr;
         roots_->visit([this](const root_place<Env>& root) {
@@ -2844,15 +2849,11 @@ class trial_deletion {
       start(phase::excluding);
     }
     if (phase_ == phase::excluding) {
-      while (exclude_marked(limit)) {
-        candidate_type* const c = next();
-        if (c == nullptr) {
-          start(left_ != 0 ? phase::checking : suspecting_ ? phase::resolving : phase::idle);
-          return true;
-        }
-        if (c->inner != state_word{c->noted}.count()) mark(*c);
-      }
-      return false;
+      const bool all = go_through(limit, [this](candidate_type& c) {
+        if (c.inner != state_word{c.noted}.count()) mark(c);
+      });
+      if (!all || !exclude_marked(limit)) return false;
+      start(left_ != 0 ? phase::checking : suspecting_ ? phase::resolving : phase::idle);
     }
     return true;
   }
@@ -2866,17 +2867,12 @@ class trial_deletion {
   /// Steps 4 to 6, after the grace period. False if the limit came first.
   bool decide(limit_type& limit, std::size_t& reclaimed) noexcept {
     if (phase_ == phase::checking) {
-      for (;;) {
-        if (!exclude_marked(limit)) return false;
-        candidate_type* const c = next();
-        if (c == nullptr) break;
-        if (c->live) continue;
-        if (!same_references(c->table->word_of(c->object), c->noted)) {
-          disturbed(*c);
-          mark(*c);
-        }
-        if (!limit.spend()) return false;
-      }
+      const bool all = go_through(limit, [this](candidate_type& c) {
+        if (c.live || same_references(c.table->word_of(c.object), c.noted)) return;
+        disturbed(c);
+        mark(c);
+      });
+      if (!all || !exclude_marked(limit)) return false;
       if (any_blocks_ && !suspecting_) decision_.open();
       decided_ = true;
       marked_blocks_ = false;
@@ -2886,13 +2882,11 @@ class trial_deletion {
     if (!expire_blocks(limit)) return false;
     if (phase_ == phase::expired) return true;
     if (phase_ == phase::severing) {
-      while (candidate_type* const c = next()) {
-        if (c->live) continue;
-        if (!c->table->sever(c->object)) mark(*c);
-        if (!limit.spend()) return false;
-      }
+      const bool all = go_through(limit, [this](candidate_type& c) {
+        if (!c.live && !c.table->sever(c.object)) has_thrown(c);
+      });
       // What could not be severed stays, with what it refers to.
-      if (!exclude_marked(limit)) return false;
+      if (!all || !exclude_marked(limit)) return false;
       start(phase::destroying);
     }
     if (phase_ == phase::destroying) {
@@ -2911,6 +2905,8 @@ class trial_deletion {
 
   /// Whether a candidate is referred to from elsewhere in a way that no purge has seen yet.
   bool unpurged() const noexcept { return unpurged_; }
+  /// Whether some edges() threw in the last round: another one may find more, although no word changes.
+  bool threw() const noexcept { return threw_; }
   /// Calls f(candidate) for each candidate, before a purge. Another round will see what it changes, a grace period later.
   template <class F>
   void begin_purge(F f) noexcept {
@@ -2967,9 +2963,25 @@ class trial_deletion {
   void start(phase p) noexcept {
     phase_ = p;
     at_ = all_.begin();
-    if (p == phase::recording) edges_.clear();
+    if (p != phase::recording) return;
+    edges_.clear();
+    threw_ = false;
   }
   candidate_type* next() noexcept { return at_.next(); }
+  /// Calls f(candidate) for each that is left in this phase. False if the limit came first.
+  template <class F>
+  bool go_through(limit_type& limit, F f) noexcept {
+    auto at = at_;  // in registers
+    bool more = true;
+    while (more) {
+      candidate_type* const c = at.next();
+      if (c == nullptr) break;
+      f(*c);
+      more = limit.spend();
+    }
+    at_ = at;
+    return more;
+  }
   void mark(candidate_type& c) noexcept {
     if (c.live) return;
     c.live = true;
@@ -2979,6 +2991,10 @@ class trial_deletion {
       unpurged_ = true;
     c.next_marked = marked_;
     marked_ = &c;
+  }
+  void has_thrown(candidate_type& c) noexcept {
+    threw_ = true;
+    mark(c);
   }
   /// Marks what the marked ones refer to. False if the limit came first.
   bool exclude_marked(limit_type& limit) noexcept {
@@ -3071,6 +3087,7 @@ class trial_deletion {
   bool changed_ = false;
   bool unsettled_ = false;
   bool unpurged_ = false;
+  bool threw_ = false;          // some edges(), in the last round
   bool purged_ = false;         // since the last round began
   bool any_blocks_ = false;     // some candidate's type has them
   bool marked_blocks_ = false;  // in this decision
@@ -3108,7 +3125,8 @@ class purge {
     return !at_work_ && !gave_up_ && (trial.unpurged() || retry_in_ == 1);
   }
   /// A call of collect() begins. If it is @p thorough, nothing is put off.
-  void begin_call(bool thorough) noexcept {
+  void begin_call(const trial_deletion<Env>& trial, bool thorough) noexcept {
+    if (retry_in_ == 0 && trial.threw()) retry_in_ = 2;
     if (retry_in_ > 1) retry_in_ = thorough || gave_up_ ? 1 : retry_in_ - 1;
     gave_up_ = false;
   }
@@ -3118,6 +3136,7 @@ class purge {
     if (!at_work_) {
       at_work_ = true;
       number_.fetch_add(1, std::memory_order_relaxed);  // (12)
+      all_seen_ = !trial.threw();
       if (!walk_.reserve(live_objects)) return give_up();
       trial.begin_purge([this](candidate<Env>& c) {
         bool ignored = false;
@@ -3128,22 +3147,22 @@ class purge {
           walk_.meet(c.object, c.table->operations());
       });
       roots.visit([this](const root_place<Env>& root) {
-        root.operations->purge_by_collector(root.described, *this);
+        all_seen_ = root.operations->purge_by_collector(root.described, *this) && all_seen_;
       });
     }
     while (!walk_.at_end() && !walk_.out_of_memory()) {
       const auto item = walk_.next();
-      item.type->purge_by_collector(item.object, *this);
+      all_seen_ = item.type->purge_by_collector(item.object, *this) && all_seen_;
       if (!limit.spend()) return false;
     }
     if (walk_.out_of_memory()) return give_up();
-    bool explained = true;
+    bool explained = all_seen_ || stuck_.size() == 0;
     stuck_.each([&](const stuck& s) {
       const candidate<Env>& c = *s.entry;
       const std::uint32_t count = state_word{c.table->word_of(c.object)}.count();
       explained = explained && (c.fresh || count <= c.held);
     });
-    retry_after_ = explained ? 0 : retry_after_ == 0 ? 1 : 2 * retry_after_;
+    retry_after_ = explained ? 0 : retry_after_ == 0 ? 1 : std::min(2 * retry_after_, longest);
     retry_in_ = explained ? 0 : retry_after_ + 1;
     walks_.fetch_add(1, std::memory_order_relaxed);  // (12)
     finish();
@@ -3186,7 +3205,10 @@ class purge {
     at_work_ = false;
   }
 
+  static constexpr std::uint64_t longest = 1024;
+
   bool at_work_ = false;
+  bool all_seen_ = true;  // no edges() threw
   bool gave_up_ = false;  // in this call, for want of memory
   std::uint64_t retry_after_ = 0;
   std::uint64_t retry_in_ = 0;  // calls; 1: now; 0: never
@@ -3619,7 +3641,7 @@ class collection {
   collected collect(domain& of, const budget& limit, bool thorough = false) noexcept {
     if (!begin_turn()) return {outcome::busy, 0};
     const auto begin = clock::now();
-    purge_.begin_call(thorough);
+    purge_.begin_call(trial_, thorough);
     trial_.begin_call(begin.time_since_epoch());
     const collected done =
         hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);
@@ -3688,6 +3710,8 @@ class collection {
   using clock = clock_of<Env>;
   using table = table_base<Env>;
   enum class phase { noting, waiting, deciding, purging };
+  /// More than it takes from a purge, and from the decision on handles, to the next object.
+  static constexpr unsigned most_in_vain = 16;
 
   bool begin_turn() noexcept {
     // (21) acquire: sees what the last collector left behind.
@@ -3753,6 +3777,8 @@ class collection {
   outcome run(domain& of, participant<Env>& me, work_limit<Env>& work,
               std::size_t& reclaimed) noexcept {
     bool found_nothing = false;
+    std::size_t reclaimed_before = reclaimed;
+    unsigned in_vain = 0;  // rounds
     for (;;) {
       if (phase_ == phase::purging) {
         if (!purge_.run(roots_, trial_, live(of), work)) return outcome::partial;
@@ -3801,6 +3827,10 @@ class collection {
       // For a thread that is about to push something; one that was at work when the round began has done so.
       if (noted_ == 0 && !tried && phase_ == phase::noting && std::exchange(found_nothing, true))
         return outcome::waiting;
+      // For memory; or for threads without a mutator, which change what is tried all the time.
+      in_vain = noted_ == 0 && reclaimed == reclaimed_before ? in_vain + 1 : 0;
+      if (in_vain == most_in_vain) return outcome::waiting;
+      reclaimed_before = reclaimed;
     }
   }
 
@@ -4904,8 +4934,6 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
 /// Quiescent-state-based reclamation: Hart, McKenney, Brown and Walpole 2007. Orders:
 /// docs/memory-model.md.
 
-#include <algorithm>
-
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
@@ -5283,7 +5311,7 @@ namespace detail {
 /// Hears where counted members begin and end on one thread: see diagnosis/check_description.hpp.
 class member_watcher {
  public:
-  virtual void made(const void* member, const char* type) noexcept = 0;
+  virtual void made(void* member, const char* type) noexcept = 0;
   virtual void ended(const void* member) noexcept = 0;
 
   /// The calling thread's, or null.
@@ -5525,9 +5553,10 @@ class record_block final : public counted_block<Env> {
 ///   PoseRecord record() { return {mnId, mTcp, slamgc::anchor<KeyFrame, PoseRecord>(mpParent)}; }
 /// ```
 ///
-/// `record()` is called by a collector when nobody can see the object any more, before it and what dies with it loses an
-/// edge; more than once, if somebody locks the object at the last moment. It may take the program's locks that edges() may take, must not
-/// throw, and should be quick. Weak handles to these objects work, too.
+/// `record()` is called by a collector when nobody can see the object any more but by handles, before it and what dies with it loses an
+/// edge; more than once, if somebody locks the object at the last moment. That thread may use the object at the same time, and so may
+/// others if it expires while it is referred to (weak_rc): record() takes the program's locks of what they may change, as
+/// edges() does. It must not throw, and should be quick. Weak handles to these objects work, too.
 ///
 /// Adds one pointer; each object has a side block with room for the record, which is allocated with it, so that its end needs
 /// no memory. A copy of an object has a block of its own; assignment leaves it alone.
@@ -7307,6 +7336,7 @@ class basic_mutator {
     me_.domain->go_online(record_);
     me_.online = true;
     gave_up_borrowed();
+    if (me_.roots != nullptr) me_.join_purge();  // one that it has missed
   }
   void go_offline() noexcept {
     if (me_.roots != nullptr) me_.join_purge();
@@ -7634,7 +7664,7 @@ inline namespace SLAMGC_FLAVOUR {
 ///
 /// Thread-safety: made and ended by any thread at any time. Without an owner, edges() is called by whichever thread collects, and
 /// takes the program's locks; the root's end waits for such a call, so it must not come under one of these locks. With an
-/// owner, edges() is called by the owner's thread alone, at its quiescent states and when it goes offline, and needs no lock;
+/// owner, edges() is called by the owner's thread alone, at its quiescent states and when it goes offline or online, and needs no lock;
 /// the root is made and ended by that thread. Made in O(roots ever at once).
 template <class Env>
 class basic_root {

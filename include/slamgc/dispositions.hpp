@@ -38,7 +38,7 @@ inline constexpr erase_edge erase{};  ///< See erase_edge.
 /// erase_with().
 template <class... Companions>
 struct erase_edge_with {
-  std::tuple<Companions&...> companions;
+  std::tuple<Companions&...> companions;  ///< What loses the same elements.
 };
 /// The element is erased from its rc_vector or rc_list, and with it what stands at the same place in each of
 /// @p companions: sequences of the same length, under the same lock. Of another length: nothing happens, and the checked
@@ -51,12 +51,13 @@ erase_edge_with<Companions...> erase_with(Companions&... companions) noexcept {
 /// See bypass().
 template <class Next>
 struct bypass_edge {
-  Next next;
+  Next next;  ///< What comes after a retired object.
 };
 /// The slot or element refers to what @p next(retired) returns instead, which may be null; and if that is retired too,
-/// to what comes next. For chains, whose retired members are to be stepped over. @p next is called with the locks of
-/// edges() held; it may do what belongs to it, such as adding the retired keyframe's measurements to those of its neighbour,
-/// but must not throw. (Another thread may assign the slot at the same time: then it was called in vain.)
+/// to what comes next (in a retired object that is still referred to: at most 64 of them, then null). For chains, whose
+/// retired members are to be stepped over. @p next is called with the locks of edges() held; it may do what belongs to it,
+/// such as adding the retired keyframe's measurements to those of its neighbour, but must not throw. (Another thread may
+/// assign the slot at the same time: then it was called in vain.)
 template <class Next>
 bypass_edge<Next> bypass(Next next) noexcept {
   return {std::move(next)};

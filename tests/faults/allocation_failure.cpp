@@ -6,8 +6,10 @@
 #include <cstdlib>
 #include <new>
 #include <random>
+#include <slamgc/diagnosis/audit.hpp>
 #include <slamgc/slamgc.hpp>
 #include <thread>
+#include <utility>
 
 #include "support/instances.hpp"
 #include "unit/redundancy/world.hpp"
@@ -531,6 +533,49 @@ TEST(AllocationFailure, OfALooseEndIsRefused) {
     }
   for (int k = 0; k != keyframes; ++k)
     EXPECT_EQ(loaded.histogram.check(k).redundant_slots, loaded.oracle(k).redundant_slots);
+}
+
+struct listed : slamgc::rc_object<listed, slamgc::fetch_add_counter, slamgc::reclaim_retired> {
+  unsigned long report_id() const { return 1; }
+  template <class Visitor>
+  void edges(Visitor& v) {
+    v.edge("a reference with a long name", next);
+  }
+  slamgc::rc_slot<listed> next;
+};
+
+TEST(AllocationFailure, AReportThatFindsNoMemoryIsEmpty) {
+  domain d;
+  {
+    const mutator m(d, "m");
+    listed first;
+    const slamgc::root root(d, "a root with a name that is allocated", first);
+    for (int i = 0; i != 300; ++i) {
+      auto* const p = new listed;
+      p->next = first.next.get();
+      first.next = p;
+    }
+    int n = 0;
+    for (bool failed = true; failed; ++n) {
+      ASSERT_LT(n, 10000);
+      slamgc::heap_graph graph;
+      {
+        const failing at(n);
+        graph = capture(d);
+        failed = at.happened();
+      }
+      EXPECT_EQ(graph.result == slamgc::heap_graph::outcome::done, !failed);
+      EXPECT_EQ(graph.nodes.empty(), failed);
+      const slamgc::audit found(std::move(graph));
+      EXPECT_EQ(found.agrees(), !failed) << found.words();
+    }
+    EXPECT_GT(n, 300);
+    while (listed* const p = first.next) {
+      slamgc::retire(p);
+      first.next = p->next.get();
+    }
+  }
+  EXPECT_EQ(d.drain(), slamgc::waited::done);
 }
 
 }  // namespace

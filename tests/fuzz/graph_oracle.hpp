@@ -20,6 +20,7 @@ class oracle : public observer {
   struct record {
     vertex* object = nullptr;  // null: destroyed
     kind type{};
+    vertex* next_before = nullptr;  // the member `next`, before the last sync()
     bool retired = false;
     bool may_be_retired = false;  // by a collector
     bool was_counted = false;     // else it is nobody's, and stays
@@ -100,7 +101,7 @@ class oracle : public observer {
   }
   // Takes over what collectors did, if they were allowed to.
   void sync() {
-    for (const unsigned id : existing_) learn_retired(of(id));
+    begin_sync();
     stale_edges_ = stale_edges();
     severed_.clear();
     for (const unsigned id : existing_) compare(*of(id).object);
@@ -116,7 +117,7 @@ class oracle : public observer {
   }
   // Only the members of one vertex: its root's owner may have purged it.
   void sync(vertex& v) {
-    for (const unsigned id : existing_) learn_retired(of(id));
+    begin_sync();
     compare(v);
   }
 
@@ -183,20 +184,36 @@ class oracle : public observer {
       if (suspects[id] && !held[id]) found.push_back(id);
     return found;
   }
-  // A collection may do so from now on, or until now.
+  // What suspected boards list now may be found from now on, or until now: purges in the same call may have made it so.
   void allow_suspicion() {
-    if (!suspects_) return;
-    for (const unsigned id : out_of_reach_but_for_suspected_boards()) of(id).may_be_retired = true;
+    if (!suspects_ || only_what_is_out_of_reach_) return;
+    for (const unsigned id : existing_) {
+      const record& r = of(id);
+      if (!r.is_suspected || !r.has_root || r.is_owned) continue;
+      for (const auto& content : r.members)
+        for (const reference& e : content)
+          if (e.target != nullptr && is_described(e.target->type))
+            of(*e.target).may_be_retired = true;
+    }
   }
   void suspect(vertex& v) {
     suspects_ = true;
     of(v).is_suspected = true;
     allow_suspicion();
   }
+  // While nothing else is to be done: exactly these are found.
+  std::vector<unsigned> suspect_exactly(vertex& v) {
+    suspects_ = only_what_is_out_of_reach_ = true;
+    of(v).is_suspected = true;
+    for (const unsigned id : existing_) of(id).may_be_retired = false;
+    std::vector<unsigned> found = out_of_reach_but_for_suspected_boards();
+    for (const unsigned id : found) of(id).may_be_retired = true;
+    return found;
+  }
   void end_suspicions() {
     if (!suspects_) return;
     for (const unsigned id : existing_) of(id).is_suspected = false;
-    suspects_ = false;
+    suspects_ = only_what_is_out_of_reach_ = false;
   }
 
   // ---- what must be true when nothing is left to do: all that has to go is gone
@@ -245,11 +262,21 @@ class oracle : public observer {
   std::uint64_t stale_edges() const {
     return slamgc::detail::domain_access::state_of(domain_).collection.purging().stale_edges();
   }
+  void begin_sync() {
+    for (const unsigned id : existing_) {
+      record& r = of(id);
+      learn_retired(r);
+      const bool has_next = !r.members.empty() && !r.members[0].empty();
+      r.next_before = has_next ? r.members[0][0].target : nullptr;
+    }
+  }
   void learn_retired(record& r) {
     if (r.retired) return;
     with_object(*r.object, [&](auto& object) {
       if (!object.state().is_retired()) return;
-      if (!r.may_be_retired && !was_severed_from_registry(r))
+      // A purge in the same call may have put it in the place of what a suspected board listed.
+      const bool may_be_suspect = suspects_ && !only_what_is_out_of_reach_ && is_described(r.type);
+      if (!r.may_be_retired && !may_be_suspect && !was_severed_from_registry(r))
         fail(*r.object, "was retired by nobody");
       r.retired = true;
       ++changes_;
@@ -259,7 +286,10 @@ class oracle : public observer {
   bool was_severed_from_registry(const record& r) {
     for (const unsigned id : existing_) {
       record& owner = of(id);
-      if (!owner.retired) continue;
+      bool retired = owner.retired;
+      if (owner.type != kind::board)  // perhaps nobody has learned it yet
+        with_object(*owner.object, [&](auto& object) { retired = object.state().is_retired(); });
+      if (!retired) continue;
       for (std::size_t i = 0; i != owner.members.size(); ++i)
         for (const reference& e : owner.members[i])
           if (e.target == r.object && members_of(*owner.object)[i].is_registry) return true;
@@ -379,15 +409,21 @@ class oracle : public observer {
   bool may_replace(disposition how, const vertex* stale, const vertex* by) {
     if (stale == nullptr || !of(*stale).retired) return false;
     if (how == disposition::null) return by == nullptr;
-    std::vector<const vertex*> passed;
-    for (const vertex* v = stale;;) {
-      passed.push_back(v);
-      const auto& next = of(*v).members[0];  // the member of that name
-      v = next.empty() ? nullptr : next[0].target;
-      if (v == by) return true;
-      if (v == nullptr || !of(*v).retired) return false;
-      if (std::find(passed.begin(), passed.end(), v) != passed.end()) return by == nullptr;
+    // The chain may have been bypassed itself in the same purge, before or after.
+    std::vector<const vertex*> chain{stale};
+    for (std::size_t i = 0; i != chain.size(); ++i) {
+      const record& r = of(*chain[i]);
+      const vertex* const now = r.members[0].empty() ? nullptr : r.members[0][0].target;
+      for (const vertex* next : {now, static_cast<const vertex*>(r.next_before)}) {
+        if (next == by) return true;
+        if (next == nullptr || !of(*next).retired) continue;
+        if (std::find(chain.begin(), chain.end(), next) == chain.end())
+          chain.push_back(next);
+        else if (by == nullptr)
+          return true;  // a circle
+      }
     }
+    return false;
   }
 
   // No stale edge is left where a purge comes by.
@@ -445,6 +481,7 @@ class oracle : public observer {
   std::uint64_t stale_edges_ = 0;
   std::uint64_t changes_ = 0;
   bool suspects_ = false;
+  bool only_what_is_out_of_reach_ = false;
 };
 
 }  // namespace fuzz

@@ -556,8 +556,7 @@ class program final : public oracle {
     if (!roots_[b] || of(*boards_[b]).is_owned) return;
     settle();
     say("collect_cycles() of %s, and drain()", words(*boards_[b]));
-    suspect(*boards_[b]);
-    const std::vector<unsigned> expected = out_of_reach_but_for_suspected_boards();
+    const std::vector<unsigned> expected = suspect_exactly(*boards_[b]);
     roots_[b]->collect_cycles();
     settle();
     for (const unsigned id : expected)

@@ -114,10 +114,11 @@ template <class Env>
 class candidate_list {
   struct block {
     static constexpr std::size_t size = 255;
+    static constexpr std::size_t ahead = 8;
     block* next = nullptr;
     candidate<Env>* unused = nullptr;
     std::size_t used = 0;
-    candidate<Env> candidates[size];
+    candidate<Env> candidates[size + ahead];  // the last ones are never used
   };
 
  public:
@@ -129,8 +130,8 @@ class candidate_list {
       for (; block_ != nullptr; block_ = block_->next, index_ = 0) {
         while (index_ != block::size) {
           candidate<Env>& c = block_->candidates[index_++];
-          if (index_ + ahead < block::size)
-            __builtin_prefetch(block_->candidates[index_ + ahead].object);
+          // Objects lie anywhere: their words arrive while others are worked on.
+          __builtin_prefetch((&c)[block::ahead].object);
           if (c.object != nullptr) return &c;
         }
       }
@@ -139,8 +140,6 @@ class candidate_list {
 
    private:
     friend class candidate_list;
-    /// Objects lie anywhere: their words arrive while others are worked on.
-    static constexpr std::size_t ahead = 8;
     block* block_ = nullptr;
     std::size_t index_ = 0;
   };
@@ -190,6 +189,8 @@ class candidate_list {
   bool grow() noexcept {
     block* const more = new (std::nothrow) block;
     if (more == nullptr) return false;
+    for (std::size_t i = 0; i != block::ahead; ++i)
+      more->candidates[block::size + i].object = nullptr;
     for (std::size_t i = block::size; i-- != 0;) {
       more->candidates[i].object = nullptr;
       more->candidates[i].next_marked = more->unused;

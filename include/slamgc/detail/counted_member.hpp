@@ -13,7 +13,7 @@ namespace detail {
 /// Hears where counted members begin and end on one thread: see diagnosis/check_description.hpp.
 class member_watcher {
  public:
-  virtual void made(const void* member, const char* type) noexcept = 0;
+  virtual void made(void* member, const char* type) noexcept = 0;
   virtual void ended(const void* member) noexcept = 0;
 
   /// The calling thread's, or null.

@@ -38,9 +38,10 @@ class heap_capture final : runtime::edge_sink<Env> {
     for (;;) {
       const bool taken = !collecting && of.collection.take_turn(of, [&](const auto&) {
         heap_capture capture(graph, of, options.threads_stand_still);
-        graph.result = attempt([&] { capture.run(also); }) && !capture.failed_
-                           ? heap_graph::outcome::done
-                           : heap_graph::outcome::out_of_memory;
+        graph.result = heap_graph::outcome::done;
+        if (attempt([&] { capture.run(also); }) && !capture.failed_) return;
+        graph = heap_graph();
+        graph.result = heap_graph::outcome::out_of_memory;
       });
       if (taken || collecting || clock::now() - begin >= options.patience) return graph;
       clock::pause(std::chrono::microseconds(100));

@@ -111,7 +111,7 @@ inline void write_circumstances(std::string& out, const heap_graph& graph) {
   if (graph.result == heap_graph::outcome::busy)
     out += "nothing is known: a collection was at work all the time\n";
   if (graph.result == heap_graph::outcome::out_of_memory)
-    out += "there was not enough memory: this is a part\n";
+    out += "nothing is known: there was not enough memory\n";
   for (const std::string& name : graph.roots_left_out)
     out += "not visited: root " + name + " of another thread, which may be at work\n";
   if (graph.cleared_registries != 0)

@@ -74,16 +74,16 @@ class trial_deletion {
       start(phase::beginning);
     }
     if (phase_ == phase::beginning) {
-      while (candidate_type* const c = next()) {
+      const bool all = go_through(limit, [this](candidate_type& c) {
         // A new one was noted when it was added: a while ago is as good.
-        const std::uint64_t now = c->fresh ? c->noted : c->table->word_of(c->object);
-        changed_ = changed_ || c->fresh || !same_references(now, c->noted);
-        c->noted = now;
-        c->inner = 0;
-        c->fresh = c->live = false;
+        const std::uint64_t now = c.fresh ? c.noted : c.table->word_of(c.object);
+        changed_ = changed_ || c.fresh || !same_references(now, c.noted);
+        c.noted = now;
+        c.inner = 0;
+        c.fresh = c.live = false;
         ++left_;
-        if (!limit.spend()) return false;
-      }
+      });
+      if (!all) return false;
       // Only what changes the word of a candidate can make one unreachable. Who had counted a reference and not
       // stored it yet will have done so after a grace period: so one more round after the last change. A round with suspects
       // comes to its end, even if no root has any: else the suspicion would last.
@@ -93,14 +93,14 @@ class trial_deletion {
       start(worth_it ? phase::recording : phase::idle);
     }
     if (phase_ == phase::recording) {
-      while (candidate_type* const c = next()) {
-        walked_ = c;
-        c->first_edge = edges_.end();
-        c->edges = 0;
-        if (!c->fresh && !c->table->walk(c->object, *this)) has_thrown(*c);
-        if (out_of_memory_) return give_up();
-        if (!limit.spend()) return false;
-      }
+      const bool all = go_through(limit, [this](candidate_type& c) {
+        walked_ = &c;
+        c.first_edge = edges_.end();
+        c.edges = 0;
+        if (!out_of_memory_ && !c.table->walk(c.object, *this)) has_thrown(c);
+      });
+      if (out_of_memory_) return give_up();
+      if (!all) return false;
       if (suspecting_) {
         walked_ = nullptr;
         roots_->visit([this](const root_place<Env>& root) {
@@ -111,15 +111,11 @@ class trial_deletion {
       start(phase::excluding);
     }
     if (phase_ == phase::excluding) {
-      while (exclude_marked(limit)) {
-        candidate_type* const c = next();
-        if (c == nullptr) {
-          start(left_ != 0 ? phase::checking : suspecting_ ? phase::resolving : phase::idle);
-          return true;
-        }
-        if (c->inner != state_word{c->noted}.count()) mark(*c);
-      }
-      return false;
+      const bool all = go_through(limit, [this](candidate_type& c) {
+        if (c.inner != state_word{c.noted}.count()) mark(c);
+      });
+      if (!all || !exclude_marked(limit)) return false;
+      start(left_ != 0 ? phase::checking : suspecting_ ? phase::resolving : phase::idle);
     }
     return true;
   }
@@ -133,17 +129,12 @@ class trial_deletion {
   /// Steps 4 to 6, after the grace period. False if the limit came first.
   bool decide(limit_type& limit, std::size_t& reclaimed) noexcept {
     if (phase_ == phase::checking) {
-      for (;;) {
-        if (!exclude_marked(limit)) return false;
-        candidate_type* const c = next();
-        if (c == nullptr) break;
-        if (c->live) continue;
-        if (!same_references(c->table->word_of(c->object), c->noted)) {
-          disturbed(*c);
-          mark(*c);
-        }
-        if (!limit.spend()) return false;
-      }
+      const bool all = go_through(limit, [this](candidate_type& c) {
+        if (c.live || same_references(c.table->word_of(c.object), c.noted)) return;
+        disturbed(c);
+        mark(c);
+      });
+      if (!all || !exclude_marked(limit)) return false;
       if (any_blocks_ && !suspecting_) decision_.open();
       decided_ = true;
       marked_blocks_ = false;
@@ -153,13 +144,11 @@ class trial_deletion {
     if (!expire_blocks(limit)) return false;
     if (phase_ == phase::expired) return true;
     if (phase_ == phase::severing) {
-      while (candidate_type* const c = next()) {
-        if (c->live) continue;
-        if (!c->table->sever(c->object)) has_thrown(*c);
-        if (!limit.spend()) return false;
-      }
+      const bool all = go_through(limit, [this](candidate_type& c) {
+        if (!c.live && !c.table->sever(c.object)) has_thrown(c);
+      });
       // What could not be severed stays, with what it refers to.
-      if (!exclude_marked(limit)) return false;
+      if (!all || !exclude_marked(limit)) return false;
       start(phase::destroying);
     }
     if (phase_ == phase::destroying) {
@@ -241,6 +230,20 @@ class trial_deletion {
     threw_ = false;
   }
   candidate_type* next() noexcept { return at_.next(); }
+  /// Calls f(candidate) for each that is left in this phase. False if the limit came first.
+  template <class F>
+  bool go_through(limit_type& limit, F f) noexcept {
+    auto at = at_;  // in registers
+    bool more = true;
+    while (more) {
+      candidate_type* const c = at.next();
+      if (c == nullptr) break;
+      f(*c);
+      more = limit.spend();
+    }
+    at_ = at;
+    return more;
+  }
   void mark(candidate_type& c) noexcept {
     if (c.live) return;
     c.live = true;

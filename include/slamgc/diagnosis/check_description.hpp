@@ -90,7 +90,7 @@ class member_list final : public member_watcher {
   void stop() noexcept {
     if (current() == this) current() = outer_;
   }
-  void made(const void* address, const char* type) noexcept override {
+  void made(void* address, const char* type) noexcept override {
     ended(address);
     member m;
     m.address = address;

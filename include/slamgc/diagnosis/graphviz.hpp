@@ -34,9 +34,9 @@ class dot_text {
     for (std::size_t i = 0; i != shown_.size(); ++i)
       if (shown_[i]) order_.push_back(i);
     // Addresses say nothing from one run to the next.
-    std::stable_sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
-      return rank(graph_.nodes[a]) < rank(graph_.nodes[b]);
-    });
+    const auto key = [&](std::size_t i) { return std::make_tuple(rank(graph_.nodes[i]), i); };
+    std::sort(order_.begin(), order_.end(),
+              [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
     number_.resize(shown_.size());
     for (std::size_t i = 0; i != order_.size(); ++i) number_[order_[i]] = i;
   }
@@ -115,8 +115,8 @@ class dot_text {
       const auto& label = graph_.labels[l.label];
       return std::tie(l.to, label.name, label.disposition);
     };
-    std::stable_sort(lines.begin(), lines.end(),
-                     [&](const line& a, const line& b) { return key(a) < key(b); });
+    std::sort(lines.begin(), lines.end(),
+              [&](const line& a, const line& b) { return key(a) < key(b); });
     for (std::size_t at = 0; at != lines.size();) {
       const line& l = lines[at];
       std::size_t same = 0;

@@ -50,7 +50,7 @@ struct heap_graph {
   enum class outcome {
     done,  ///< It is complete.
     busy,  ///< Another thread was collecting all the time, or the calling one is: it is empty.
-    out_of_memory  ///< It is a part.
+    out_of_memory  ///< There was not enough memory: it is empty.
   };
   /// An object or a root.
   struct node {
@@ -134,7 +134,7 @@ inline namespace SLAMGC_FLAVOUR {
 /// Takes the graph of a domain. O(objects + edges) time, and memory: some 250 bytes for each object, 40 for each edge.
 ///
 /// By any thread, online or not, without a lock that an edges() takes. Destroys nothing, and changes nothing.
-/// Throws std::bad_alloc, where result does not say it.
+/// Does not throw: result says whether there was memory.
 template <class Env>
 [[nodiscard]] heap_graph capture(basic_domain<Env>& of, const walk_options& options = {}) {
   return detail::heap_capture<Env>::take(detail::domain_access::state_of(of), options, nullptr);

@@ -1,7 +1,6 @@
 // root::collect_cycles(): what only a registry refers to is found and retired; what anybody needs is not.
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <functional>
 #include <random>
 #include <set>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "support/instances.hpp"
+#include "support/yield_env.hpp"
 
 namespace {
 
@@ -197,14 +197,14 @@ TYPED_TEST(CollectCycles, AmongWhatIsRetiredAnyway) {
 
 // Each step of a search meets a graph that has changed; what the program needs then is spared.
 TYPED_TEST(CollectCycles, SuspectsThatChangeMeanwhile) {
-  using object = typename TestFixture::object;
+  using node_type = typename TestFixture::object;
   for (int what = 0; what != 4; ++what)
     for (int when = 0; when != 40; ++when) {
       SCOPED_TRACE(what * 1000 + when);
       {
         slamgc::mutator uses(this->domain_, "uses");
         auto* const p = this->ring(4);
-        object* const q = p->slot;
+        node_type* const q = p->slot;
         this->root_.collect_cycles();
         for (int i = 0; i != 80; ++i) {
           if (i == when) {
@@ -225,11 +225,11 @@ TYPED_TEST(CollectCycles, SuspectsThatChangeMeanwhile) {
       ASSERT_EQ(this->domain_.drain(), waited::done);
       this->collect_cycles();
       // What left the registry unretired can be in a cycle that no registry knows: the program's to retire.
-      if (what == 1 && object::live() != 0) {
+      if (what == 1 && node_type::live() != 0) {
         const online scope(this->me_);
-        for (object* p : this->registry_.all) {
-          for (object* r = p->slot; r != nullptr;) {
-            object* const next = r->slot;
+        for (node_type* p : this->registry_.all) {
+          for (node_type* r = p->slot; r != nullptr;) {
+            node_type* const next = r->slot;
             r->slot = nullptr;
             slamgc::retire(r);
             r = next;
@@ -237,37 +237,35 @@ TYPED_TEST(CollectCycles, SuspectsThatChangeMeanwhile) {
         }
       }
       ASSERT_EQ(this->domain_.drain(), waited::done);
-      ASSERT_EQ(object::live(), 0);
+      ASSERT_EQ(node_type::live(), 0);
     }
 }
 
 TYPED_TEST(CollectCycles, EdgesThatThrowFindLess) {
-  using object = typename TestFixture::object;
+  using node_type = typename TestFixture::object;
   for (int when = 0; when != 20; ++when) {
     SCOPED_TRACE(when);
     this->ring(5);
     int visits = 0;
-    object::meanwhile = [&](object&) {
+    node_type::meanwhile = [&](node_type&) {
       if (visits++ == when) throw std::runtime_error("edges() throws");
     };
     this->registry_.fails = when == 19;
     this->collect_cycles();
-    object::meanwhile = nullptr;
+    node_type::meanwhile = nullptr;
     this->registry_.fails = false;
     this->collect_cycles();
-    ASSERT_EQ(object::live(), 0);
+    ASSERT_EQ(node_type::live(), 0);
   }
 }
 
 TYPED_TEST(CollectCycles, RandomGraphsAgainstReachability) {
-  using object = typename TestFixture::object;
-  const unsigned seed = std::random_device()();
-  std::printf("seed %u\n", seed);
-  std::mt19937 random(seed);
+  using node_type = typename TestFixture::object;
+  std::mt19937 random(static_cast<unsigned>(yield_env::seed()));  // printed; SLAMGC_SEED replays
   for (int round = 0; round != 150; ++round) {
     SCOPED_TRACE(round);
     constexpr unsigned n = 30;
-    std::vector<object*> all;
+    std::vector<node_type*> all;
     {
       const online scope(this->me_);
       for (unsigned i = 0; i != n; ++i) all.push_back(this->make());
@@ -279,10 +277,10 @@ TYPED_TEST(CollectCycles, RandomGraphsAgainstReachability) {
       }
       for (auto i = random() % 4; i != 0; --i) this->needed_.list.push_back(all[random() % n]);
     }
-    std::set<object*> reached;
-    std::vector<object*> next(this->needed_.list.begin(), this->needed_.list.end());
+    std::set<node_type*> reached;
+    std::vector<node_type*> next(this->needed_.list.begin(), this->needed_.list.end());
     while (!next.empty()) {
-      object* const p = next.back();
+      node_type* const p = next.back();
       next.pop_back();
       if (p == nullptr || !reached.insert(p).second) continue;
       next.push_back(p->slot);
@@ -292,11 +290,11 @@ TYPED_TEST(CollectCycles, RandomGraphsAgainstReachability) {
     for (auto slices = random() % 200; slices != 0; --slices)
       (void)this->domain_.collect({1 + random() % 5});
     ASSERT_EQ(this->domain_.drain(), waited::done);
-    ASSERT_EQ(object::live(), static_cast<int>(reached.size()));
-    for (object* p : reached) ASSERT_EQ(this->registry_.all.count(p), 1U);
+    ASSERT_EQ(node_type::live(), static_cast<int>(reached.size()));
+    for (node_type* p : reached) ASSERT_EQ(this->registry_.all.count(p), 1U);
     this->needed_.list.clear();
     this->collect_cycles();
-    ASSERT_EQ(object::live(), 0);
+    ASSERT_EQ(node_type::live(), 0);
   }
 }
 

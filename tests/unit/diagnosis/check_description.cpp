@@ -60,12 +60,16 @@ TEST(CheckDescription, EachKindOfMemberIsSeen) {
   all_kinds::left_out = -1;
   EXPECT_TRUE(check_description<all_kinds>().ok()) << check_description<all_kinds>().words();
   EXPECT_EQ(check_description<all_kinds>().words(), "");
-  const std::size_t offsets[] = {
-      offsetof(all_kinds, slot),          offsetof(all_kinds, atomic),
-      offsetof(all_kinds, vector),        offsetof(all_kinds, list),
-      offsetof(all_kinds, set),           offsetof(all_kinds, map),
-      offsetof(all_kinds, value_map),     offsetof(all_kinds, unordered_set),
-      offsetof(all_kinds, unordered_map), offsetof(all_kinds, owned)};
+  const all_kinds whole;
+  const auto offset = [&](const auto& member) {
+    return static_cast<std::size_t>(reinterpret_cast<const char*>(&member) -
+                                    reinterpret_cast<const char*>(&whole));
+  };
+  const std::size_t offsets[] = {offset(whole.slot),          offset(whole.atomic),
+                                 offset(whole.vector),        offset(whole.list),
+                                 offset(whole.set),           offset(whole.map),
+                                 offset(whole.value_map),     offset(whole.unordered_set),
+                                 offset(whole.unordered_map), offset(whole.owned)};
   for (int i = 0; i != 10; ++i) {
     all_kinds::left_out = i;
     const auto check = check_description<all_kinds>();
@@ -204,7 +208,7 @@ struct map_of {
 TEST(CheckDescription, OfARoot) {
   const auto check = check_description<map_of>();
   ASSERT_EQ(check.missing.size(), 1u);
-  EXPECT_EQ(check.missing[0].offset, offsetof(map_of, forgotten));
+  EXPECT_EQ(check.missing[0].offset, sizeof(map_of) - sizeof(map_of::forgotten));
 }
 
 struct throwing : object<throwing> {

@@ -31,8 +31,29 @@ struct by_id {
   bool operator()(const T* a, const T* b) const { return a->mnId < b->mnId; }
 };
 
+// In one dimension: x becomes scale * x + shift.
+struct Pose {
+  double scale = 1, shift = 0;
+
+  Pose operator*(const Pose& b) const { return {scale * b.scale, scale * b.shift + shift}; }
+  Pose inverse() const { return {1 / scale, -shift / scale}; }
+  bool operator==(const Pose& b) const { return scale == b.scale && shift == b.shift; }
+};
+
 template <class S>
-class KeyFrame : public S::template object<KeyFrame<S>>, public listed<KeyFrame<S>> {
+class KeyFrame;
+
+// What a culled keyframe leaves, for the trajectory.
+template <class S>
+struct PoseRecord {
+  Pose mTcp;
+  typename S::template reference<KeyFrame<S>, PoseRecord> parent{};
+};
+
+template <class S>
+class KeyFrame : public S::template object<KeyFrame<S>>,
+                 public S::template leaves_record<KeyFrame<S>, PoseRecord<S>>,
+                 public listed<KeyFrame<S>> {
   using Point = MapPoint<S>;
 
  public:
@@ -216,6 +237,7 @@ class KeyFrame : public S::template object<KeyFrame<S>>, public listed<KeyFrame<
     if (parent != nullptr) parent->EraseChild(this);
     {
       const lock l(mMutexConnections);
+      if (parent != nullptr) mTcp = mTcw * parent->mTcw.inverse();
       mbBad = true;
     }
     map->EraseKeyFrame(this);
@@ -236,6 +258,12 @@ class KeyFrame : public S::template object<KeyFrame<S>>, public listed<KeyFrame<
     this->used();
     const lock l(mMutexMap);
     mpMap = map;
+  }
+
+  // For the trajectory.
+  PoseRecord<S> record() {
+    const lock l(mMutexConnections);
+    return {mTcp, typename S::template reference<KeyFrame, PoseRecord<S>>(mpParent)};
   }
 
   // The table of docs/orb-slam3-cases.md.
@@ -271,6 +299,7 @@ class KeyFrame : public S::template object<KeyFrame<S>>, public listed<KeyFrame<
 
   const long mnId;
   const std::vector<std::size_t> mBowWords;
+  Pose mTcw, mTcp;  // mTcp: of a bad one, to its parent
   typename S::template pointer<KeyFrame> mPrevKF{}, mNextKF{};
   typename S::template vector<Point> mvpMapPoints;
   typename S::template map<KeyFrame, int> mConnectedKeyFrameWeights;

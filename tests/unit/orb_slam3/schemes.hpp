@@ -134,6 +134,10 @@ struct plain {
   using registry = Container;
   template <class T>
   using snapshot = std::vector<T*>;
+  template <class T, class Record>
+  struct leaves_record {};
+  template <class T, class Record>
+  using reference = T*;
   using threads = one_thread;
 
   template <class T, class... Args>
@@ -185,6 +189,10 @@ struct shared {
   using registry = Container;
   template <class T>
   using snapshot = std::vector<shared_pointer<T>>;
+  template <class T, class Record>
+  struct leaves_record {};
+  template <class T, class Record>
+  using reference = shared_pointer<T>;
   using threads = one_thread;
 
   template <class T, class... Args>
@@ -294,6 +302,10 @@ struct counted {
   using registry = slamgc::registry<Container>;
   template <class T>
   using snapshot = slamgc::pin_set<T>;
+  template <class T, class Record>
+  using leaves_record = slamgc::enable_anchor<T, Record>;
+  template <class T, class Record>
+  using reference = slamgc::anchor<T, Record>;
   using threads = registered_threads;
 
   template <class T, class... Args>

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <list>
 #include <mutex>
 #include <vector>
 
@@ -198,6 +199,41 @@ class Tracking {
   using Point = MapPoint<S>;
 
  public:
+  using Reference = typename S::template reference<KF, PoseRecord<S>>;
+
+  // For each frame, for ever, its reference keyframe; and its pose to that.
+  void add_to_trajectory(const Pose& to_reference) {
+    mlpReferences.push_back(Reference(static_cast<KF*>(mpReferenceKF)));
+    mlRelativeFramePoses.push_back(to_reference);
+  }
+  // From bad keyframe to parent, until one is good.
+  std::vector<Pose> SaveTrajectory() {
+    std::vector<Pose> poses;
+    auto pose = mlRelativeFramePoses.begin();
+    for (const Reference& reference : mlpReferences) {
+      Pose to_world;
+      if constexpr (S::adapted) {
+        for (Reference at = reference; at;)
+          at = at.read(
+              [&](KF& kf) {
+                const bool bad = kf.isBad();
+                to_world = to_world * (bad ? kf.mTcp : kf.mTcw);
+                return bad ? Reference(kf.GetParent()) : Reference();
+              },
+              [&](const PoseRecord<S>& culled) {
+                to_world = to_world * culled.mTcp;
+                return culled.parent;
+              });
+      } else {
+        KF* kf = reference;
+        for (; kf->isBad(); kf = kf->GetParent()) to_world = to_world * kf->mTcp;
+        to_world = to_world * kf->mTcw;
+      }
+      poses.push_back(*pose++ * to_world);
+    }
+    return poses;
+  }
+
   // The frame that was the current one becomes the last one; its successor matches these.
   void Track(const std::vector<Point*>& matches) {
     CheckReplacedInLastFrame();
@@ -279,6 +315,8 @@ class Tracking {
   typename S::template pointer<KF> mpReferenceKF{}, mpLastKeyFrame{};
   typename S::template vector<KF> mvpLocalKeyFrames;
   typename S::template vector<Point> mvpLocalMapPoints;
+  std::list<Reference> mlpReferences;
+  std::list<Pose> mlRelativeFramePoses;
 };
 
 // FrameDrawer's and System's members, which the tracking thread fills.
