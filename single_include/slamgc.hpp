@@ -1563,7 +1563,8 @@ struct edge_member<rc_unordered_map<T, M, Options...>>
 /// **When.** Trial deletion excludes a candidate that is referred to from elsewhere. A purge is due if, since the last one
 /// began, such a candidate has appeared or a reference to one was added or moved (its version). Else the last purge has seen
 /// all references to it, and those that are left are held or not described. That is true unless an edge moved past the walk:
-/// so if the references that a purge has seen do not add up to the count, it is due again after 1, 2, 4, ... calls.
+/// so if the references that a purge has seen do not add up to the count, or if some edges() threw, it is due again after 1, 2,
+/// 4, ..., 1024, 1024, ... calls.
 ///
 /// **Edges of stuck objects** are purged, too. Else a retired keyframe that one member of a thread holds would keep the next one
 /// that is retired, and that one the next: one old reference, and nothing would be reclaimed any more. What the program needs
@@ -1574,6 +1575,8 @@ struct edge_member<rc_unordered_map<T, M, Options...>>
 ///
 /// Each step visits one object: its edges are the longest that a lock of the program is held. O(live objects + edges);
 /// stuck objects are looked up in keyed containers.
+
+#include <algorithm>
 
 // ---- slamgc/detail/heap_walk.hpp ----
 /// @file
@@ -2832,7 +2835,7 @@ class trial_deletion {
         walked_ = &c;
         c.first_edge = edges_.end();
         c.edges = 0;
-        if (!out_of_memory_ && !c.table->walk(c.object, *this)) mark(c);
+        if (!out_of_memory_ && !c.table->walk(c.object, *this)) has_thrown(c);
       });
       if (out_of_memory_) return give_up();
       if (!all) return false;
@@ -2880,7 +2883,7 @@ class trial_deletion {
     if (phase_ == phase::expired) return true;
     if (phase_ == phase::severing) {
       const bool all = go_through(limit, [this](candidate_type& c) {
-        if (!c.live && !c.table->sever(c.object)) mark(c);
+        if (!c.live && !c.table->sever(c.object)) has_thrown(c);
       });
       // What could not be severed stays, with what it refers to.
       if (!all || !exclude_marked(limit)) return false;
@@ -2902,6 +2905,8 @@ class trial_deletion {
 
   /// Whether a candidate is referred to from elsewhere in a way that no purge has seen yet.
   bool unpurged() const noexcept { return unpurged_; }
+  /// Whether some edges() threw in the last round: another one may find more, although no word changes.
+  bool threw() const noexcept { return threw_; }
   /// Calls f(candidate) for each candidate, before a purge. Another round will see what it changes, a grace period later.
   template <class F>
   void begin_purge(F f) noexcept {
@@ -2958,7 +2963,9 @@ class trial_deletion {
   void start(phase p) noexcept {
     phase_ = p;
     at_ = all_.begin();
-    if (p == phase::recording) edges_.clear();
+    if (p != phase::recording) return;
+    edges_.clear();
+    threw_ = false;
   }
   candidate_type* next() noexcept { return at_.next(); }
   /// Calls f(candidate) for each that is left in this phase. False if the limit came first.
@@ -2984,6 +2991,10 @@ class trial_deletion {
       unpurged_ = true;
     c.next_marked = marked_;
     marked_ = &c;
+  }
+  void has_thrown(candidate_type& c) noexcept {
+    threw_ = true;
+    mark(c);
   }
   /// Marks what the marked ones refer to. False if the limit came first.
   bool exclude_marked(limit_type& limit) noexcept {
@@ -3076,6 +3087,7 @@ class trial_deletion {
   bool changed_ = false;
   bool unsettled_ = false;
   bool unpurged_ = false;
+  bool threw_ = false;          // some edges(), in the last round
   bool purged_ = false;         // since the last round began
   bool any_blocks_ = false;     // some candidate's type has them
   bool marked_blocks_ = false;  // in this decision
@@ -3113,7 +3125,8 @@ class purge {
     return !at_work_ && !gave_up_ && (trial.unpurged() || retry_in_ == 1);
   }
   /// A call of collect() begins. If it is @p thorough, nothing is put off.
-  void begin_call(bool thorough) noexcept {
+  void begin_call(const trial_deletion<Env>& trial, bool thorough) noexcept {
+    if (retry_in_ == 0 && trial.threw()) retry_in_ = 2;
     if (retry_in_ > 1) retry_in_ = thorough || gave_up_ ? 1 : retry_in_ - 1;
     gave_up_ = false;
   }
@@ -3123,6 +3136,7 @@ class purge {
     if (!at_work_) {
       at_work_ = true;
       number_.fetch_add(1, std::memory_order_relaxed);  // (12)
+      all_seen_ = !trial.threw();
       if (!walk_.reserve(live_objects)) return give_up();
       trial.begin_purge([this](candidate<Env>& c) {
         bool ignored = false;
@@ -3133,22 +3147,22 @@ class purge {
           walk_.meet(c.object, c.table->operations());
       });
       roots.visit([this](const root_place<Env>& root) {
-        root.operations->purge_by_collector(root.described, *this);
+        all_seen_ = root.operations->purge_by_collector(root.described, *this) && all_seen_;
       });
     }
     while (!walk_.at_end() && !walk_.out_of_memory()) {
       const auto item = walk_.next();
-      item.type->purge_by_collector(item.object, *this);
+      all_seen_ = item.type->purge_by_collector(item.object, *this) && all_seen_;
       if (!limit.spend()) return false;
     }
     if (walk_.out_of_memory()) return give_up();
-    bool explained = true;
+    bool explained = all_seen_ || stuck_.size() == 0;
     stuck_.each([&](const stuck& s) {
       const candidate<Env>& c = *s.entry;
       const std::uint32_t count = state_word{c.table->word_of(c.object)}.count();
       explained = explained && (c.fresh || count <= c.held);
     });
-    retry_after_ = explained ? 0 : retry_after_ == 0 ? 1 : 2 * retry_after_;
+    retry_after_ = explained ? 0 : retry_after_ == 0 ? 1 : std::min(2 * retry_after_, longest);
     retry_in_ = explained ? 0 : retry_after_ + 1;
     walks_.fetch_add(1, std::memory_order_relaxed);  // (12)
     finish();
@@ -3191,7 +3205,10 @@ class purge {
     at_work_ = false;
   }
 
+  static constexpr std::uint64_t longest = 1024;
+
   bool at_work_ = false;
+  bool all_seen_ = true;  // no edges() threw
   bool gave_up_ = false;  // in this call, for want of memory
   std::uint64_t retry_after_ = 0;
   std::uint64_t retry_in_ = 0;  // calls; 1: now; 0: never
@@ -3624,7 +3641,7 @@ class collection {
   collected collect(domain& of, const budget& limit, bool thorough = false) noexcept {
     if (!begin_turn()) return {outcome::busy, 0};
     const auto begin = clock::now();
-    purge_.begin_call(thorough);
+    purge_.begin_call(trial_, thorough);
     trial_.begin_call(begin.time_since_epoch());
     const collected done =
         hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);
@@ -3693,6 +3710,8 @@ class collection {
   using clock = clock_of<Env>;
   using table = table_base<Env>;
   enum class phase { noting, waiting, deciding, purging };
+  /// More than it takes from a purge, and from the decision on handles, to the next object.
+  static constexpr unsigned most_in_vain = 16;
 
   bool begin_turn() noexcept {
     // (21) acquire: sees what the last collector left behind.
@@ -3758,6 +3777,8 @@ class collection {
   outcome run(domain& of, participant<Env>& me, work_limit<Env>& work,
               std::size_t& reclaimed) noexcept {
     bool found_nothing = false;
+    std::size_t reclaimed_before = reclaimed;
+    unsigned in_vain = 0;  // rounds
     for (;;) {
       if (phase_ == phase::purging) {
         if (!purge_.run(roots_, trial_, live(of), work)) return outcome::partial;
@@ -3806,6 +3827,10 @@ class collection {
       // For a thread that is about to push something; one that was at work when the round began has done so.
       if (noted_ == 0 && !tried && phase_ == phase::noting && std::exchange(found_nothing, true))
         return outcome::waiting;
+      // For memory; or for threads without a mutator, which change what is tried all the time.
+      in_vain = noted_ == 0 && reclaimed == reclaimed_before ? in_vain + 1 : 0;
+      if (in_vain == most_in_vain) return outcome::waiting;
+      reclaimed_before = reclaimed;
     }
   }
 
@@ -4909,8 +4934,6 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
 /// Quiescent-state-based reclamation: Hart, McKenney, Brown and Walpole 2007. Orders:
 /// docs/memory-model.md.
 
-#include <algorithm>
-
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 
@@ -5530,9 +5553,10 @@ class record_block final : public counted_block<Env> {
 ///   PoseRecord record() { return {mnId, mTcp, slamgc::anchor<KeyFrame, PoseRecord>(mpParent)}; }
 /// ```
 ///
-/// `record()` is called by a collector when nobody can see the object any more, before it and what dies with it loses an
-/// edge; more than once, if somebody locks the object at the last moment. It may take the program's locks that edges() may take, must not
-/// throw, and should be quick. Weak handles to these objects work, too.
+/// `record()` is called by a collector when nobody can see the object any more but by handles, before it and what dies with it loses an
+/// edge; more than once, if somebody locks the object at the last moment. That thread may use the object at the same time, and so may
+/// others if it expires while it is referred to (weak_rc): record() takes the program's locks of what they may change, as
+/// edges() does. It must not throw, and should be quick. Weak handles to these objects work, too.
 ///
 /// Adds one pointer; each object has a side block with room for the record, which is allocated with it, so that its end needs
 /// no memory. A copy of an object has a block of its own; assignment leaves it alone.
@@ -7312,6 +7336,7 @@ class basic_mutator {
     me_.domain->go_online(record_);
     me_.online = true;
     gave_up_borrowed();
+    if (me_.roots != nullptr) me_.join_purge();  // one that it has missed
   }
   void go_offline() noexcept {
     if (me_.roots != nullptr) me_.join_purge();
@@ -7413,8 +7438,8 @@ class dropped_content final : public runtime::dropped_base<typename policy_of<T>
 /// a state, it is done at once, object by object.) Until then the references stay counted. Taking single objects out, by erase() and the like, retires
 /// nothing. Not copied, assigned or moved as a whole.
 ///
-/// Belongs to the domain that is current on the thread that makes it, as objects do, unless it is told another: its objects
-/// have to be of that domain.
+/// Belongs to the domain that it is given, or that is current on the thread that makes it, as objects do. It has to be that of
+/// its objects: what a registry of another domain held when it was cleared is reclaimed only after that domain has been collected.
 /// Thread-safety and costs: otherwise those of @p Container.
 template <class Container, class Env>
 class registry : public Container {
@@ -7422,7 +7447,7 @@ class registry : public Container {
   using Container::Container;
   /// Empty. Throws std::bad_alloc.
   registry() = default;
-  /// Empty, for objects of @p of: for a thread that is no mutator of that domain.
+  /// Empty, of the domain @p of. Throws std::bad_alloc.
   explicit registry(basic_domain<Env>& of)
       : state_(retained(detail::domain_access::state_of(of))) {}
   registry(const registry&) = delete;
@@ -7643,7 +7668,7 @@ inline namespace SLAMGC_FLAVOUR {
 ///
 /// Thread-safety: made and ended by any thread at any time. Without an owner, edges() is called by whichever thread collects, and
 /// takes the program's locks; the root's end waits for such a call, so it must not come under one of these locks. With an
-/// owner, edges() is called by the owner's thread alone, at its quiescent states and when it goes offline, and needs no lock;
+/// owner, edges() is called by the owner's thread alone, at its quiescent states and when it goes offline or online, and needs no lock;
 /// the root is made and ended by that thread. Made in O(roots ever at once).
 template <class Env>
 class basic_root {

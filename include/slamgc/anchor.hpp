@@ -53,9 +53,10 @@ class record_block final : public counted_block<Env> {
 ///   PoseRecord record() { return {mnId, mTcp, slamgc::anchor<KeyFrame, PoseRecord>(mpParent)}; }
 /// ```
 ///
-/// `record()` is called by a collector when nobody can see the object any more, before it and what dies with it loses an
-/// edge; more than once, if somebody locks the object at the last moment. It may take the program's locks that edges() may take, must not
-/// throw, and should be quick. Weak handles to these objects work, too.
+/// `record()` is called by a collector when nobody can see the object any more but by handles, before it and what dies with it loses an
+/// edge; more than once, if somebody locks the object at the last moment. That thread may use the object at the same time, and so may
+/// others if it expires while it is referred to (weak_rc): record() takes the program's locks of what they may change, as
+/// edges() does. It must not throw, and should be quick. Weak handles to these objects work, too.
 ///
 /// Adds one pointer; each object has a side block with room for the record, which is allocated with it, so that its end needs
 /// no memory. A copy of an object has a block of its own; assignment leaves it alone.

@@ -115,6 +115,7 @@ class basic_mutator {
     me_.domain->go_online(record_);
     me_.online = true;
     gave_up_borrowed();
+    if (me_.roots != nullptr) me_.join_purge();  // one that it has missed
   }
   void go_offline() noexcept {
     if (me_.roots != nullptr) me_.join_purge();

@@ -57,8 +57,8 @@ class dropped_content final : public runtime::dropped_base<typename policy_of<T>
 /// a state, it is done at once, object by object.) Until then the references stay counted. Taking single objects out, by erase() and the like, retires
 /// nothing. Not copied, assigned or moved as a whole.
 ///
-/// Belongs to the domain that is current on the thread that makes it, as objects do, unless it is told another: its objects
-/// have to be of that domain.
+/// Belongs to the domain that it is given, or that is current on the thread that makes it, as objects do. It has to be that of
+/// its objects: what a registry of another domain held when it was cleared is reclaimed only after that domain has been collected.
 /// Thread-safety and costs: otherwise those of @p Container.
 template <class Container, class Env>
 class registry : public Container {
@@ -66,7 +66,7 @@ class registry : public Container {
   using Container::Container;
   /// Empty. Throws std::bad_alloc.
   registry() = default;
-  /// Empty, for objects of @p of: for a thread that is no mutator of that domain.
+  /// Empty, of the domain @p of. Throws std::bad_alloc.
   explicit registry(basic_domain<Env>& of)
       : state_(retained(detail::domain_access::state_of(of))) {}
   registry(const registry&) = delete;

@@ -32,7 +32,7 @@ inline namespace SLAMGC_FLAVOUR {
 ///
 /// Thread-safety: made and ended by any thread at any time. Without an owner, edges() is called by whichever thread collects, and
 /// takes the program's locks; the root's end waits for such a call, so it must not come under one of these locks. With an
-/// owner, edges() is called by the owner's thread alone, at its quiescent states and when it goes offline, and needs no lock;
+/// owner, edges() is called by the owner's thread alone, at its quiescent states and when it goes offline or online, and needs no lock;
 /// the root is made and ended by that thread. Made in O(roots ever at once).
 template <class Env>
 class basic_root {

@@ -416,6 +416,29 @@ TEST(AllocationFailure, ReclamationGoesOnWithoutMemoryForAPurge) {
   EXPECT_EQ(frame::live(), 0);
 }
 
+// Nor does a search for cycles keep collect() from its end.
+TEST(AllocationFailure, CollectEndsWithoutMemoryForTrialDeletion) {
+  domain d;
+  {
+    const mutator m(d, "m");
+    auto* const a = new frame;
+    a->next = new frame;
+    a->next->next = a;
+    slamgc::retire(a->next.get());
+    slamgc::retire(a);
+  }
+  (void)d.collect({2});  // they are candidates
+  outcome results[2];
+  {
+    const failing everything{failing::all()};
+    for (outcome& each : results) each = d.collect().result;
+  }
+  for (const outcome each : results) EXPECT_EQ(each, outcome::waiting);
+  EXPECT_EQ(frame::live(), 2);
+  ASSERT_EQ(d.drain(), slamgc::waited::done);
+  EXPECT_EQ(frame::live(), 0);
+}
+
 TEST(AllocationFailure, ARegistryThatFindsNoMemoryRetiresAtOnce) {
   domain d;
   mutator m(d, "m");

@@ -38,7 +38,7 @@ class collection {
   collected collect(domain& of, const budget& limit, bool thorough = false) noexcept {
     if (!begin_turn()) return {outcome::busy, 0};
     const auto begin = clock::now();
-    purge_.begin_call(thorough);
+    purge_.begin_call(trial_, thorough);
     trial_.begin_call(begin.time_since_epoch());
     const collected done =
         hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);
@@ -107,6 +107,8 @@ class collection {
   using clock = clock_of<Env>;
   using table = table_base<Env>;
   enum class phase { noting, waiting, deciding, purging };
+  /// More than it takes from a purge, and from the decision on handles, to the next object.
+  static constexpr unsigned most_in_vain = 16;
 
   bool begin_turn() noexcept {
     // (21) acquire: sees what the last collector left behind.
@@ -172,6 +174,8 @@ class collection {
   outcome run(domain& of, participant<Env>& me, work_limit<Env>& work,
               std::size_t& reclaimed) noexcept {
     bool found_nothing = false;
+    std::size_t reclaimed_before = reclaimed;
+    unsigned in_vain = 0;  // rounds
     for (;;) {
       if (phase_ == phase::purging) {
         if (!purge_.run(roots_, trial_, live(of), work)) return outcome::partial;
@@ -220,6 +224,10 @@ class collection {
       // For a thread that is about to push something; one that was at work when the round began has done so.
       if (noted_ == 0 && !tried && phase_ == phase::noting && std::exchange(found_nothing, true))
         return outcome::waiting;
+      // For memory; or for threads without a mutator, which change what is tried all the time.
+      in_vain = noted_ == 0 && reclaimed == reclaimed_before ? in_vain + 1 : 0;
+      if (in_vain == most_in_vain) return outcome::waiting;
+      reclaimed_before = reclaimed;
     }
   }
 

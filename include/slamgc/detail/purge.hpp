@@ -9,7 +9,8 @@
 /// **When.** Trial deletion excludes a candidate that is referred to from elsewhere. A purge is due if, since the last one
 /// began, such a candidate has appeared or a reference to one was added or moved (its version). Else the last purge has seen
 /// all references to it, and those that are left are held or not described. That is true unless an edge moved past the walk:
-/// so if the references that a purge has seen do not add up to the count, it is due again after 1, 2, 4, ... calls.
+/// so if the references that a purge has seen do not add up to the count, or if some edges() threw, it is due again after 1, 2,
+/// 4, ..., 1024, 1024, ... calls.
 ///
 /// **Edges of stuck objects** are purged, too. Else a retired keyframe that one member of a thread holds would keep the next one
 /// that is retired, and that one the next: one old reference, and nothing would be reclaimed any more. What the program needs
@@ -22,6 +23,7 @@
 /// stuck objects are looked up in keyed containers.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -50,7 +52,8 @@ class purge {
     return !at_work_ && !gave_up_ && (trial.unpurged() || retry_in_ == 1);
   }
   /// A call of collect() begins. If it is @p thorough, nothing is put off.
-  void begin_call(bool thorough) noexcept {
+  void begin_call(const trial_deletion<Env>& trial, bool thorough) noexcept {
+    if (retry_in_ == 0 && trial.threw()) retry_in_ = 2;
     if (retry_in_ > 1) retry_in_ = thorough || gave_up_ ? 1 : retry_in_ - 1;
     gave_up_ = false;
   }
@@ -60,6 +63,7 @@ class purge {
     if (!at_work_) {
       at_work_ = true;
       number_.fetch_add(1, std::memory_order_relaxed);  // (12)
+      all_seen_ = !trial.threw();
       if (!walk_.reserve(live_objects)) return give_up();
       trial.begin_purge([this](candidate<Env>& c) {
         bool ignored = false;
@@ -70,22 +74,22 @@ class purge {
           walk_.meet(c.object, c.table->operations());
       });
       roots.visit([this](const root_place<Env>& root) {
-        root.operations->purge_by_collector(root.described, *this);
+        all_seen_ = root.operations->purge_by_collector(root.described, *this) && all_seen_;
       });
     }
     while (!walk_.at_end() && !walk_.out_of_memory()) {
       const auto item = walk_.next();
-      item.type->purge_by_collector(item.object, *this);
+      all_seen_ = item.type->purge_by_collector(item.object, *this) && all_seen_;
       if (!limit.spend()) return false;
     }
     if (walk_.out_of_memory()) return give_up();
-    bool explained = true;
+    bool explained = all_seen_ || stuck_.size() == 0;
     stuck_.each([&](const stuck& s) {
       const candidate<Env>& c = *s.entry;
       const std::uint32_t count = state_word{c.table->word_of(c.object)}.count();
       explained = explained && (c.fresh || count <= c.held);
     });
-    retry_after_ = explained ? 0 : retry_after_ == 0 ? 1 : 2 * retry_after_;
+    retry_after_ = explained ? 0 : retry_after_ == 0 ? 1 : std::min(2 * retry_after_, longest);
     retry_in_ = explained ? 0 : retry_after_ + 1;
     walks_.fetch_add(1, std::memory_order_relaxed);  // (12)
     finish();
@@ -128,7 +132,10 @@ class purge {
     at_work_ = false;
   }
 
+  static constexpr std::uint64_t longest = 1024;
+
   bool at_work_ = false;
+  bool all_seen_ = true;  // no edges() threw
   bool gave_up_ = false;  // in this call, for want of memory
   std::uint64_t retry_after_ = 0;
   std::uint64_t retry_in_ = 0;  // calls; 1: now; 0: never

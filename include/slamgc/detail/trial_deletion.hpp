@@ -97,7 +97,7 @@ class trial_deletion {
         walked_ = &c;
         c.first_edge = edges_.end();
         c.edges = 0;
-        if (!out_of_memory_ && !c.table->walk(c.object, *this)) mark(c);
+        if (!out_of_memory_ && !c.table->walk(c.object, *this)) has_thrown(c);
       });
       if (out_of_memory_) return give_up();
       if (!all) return false;
@@ -145,7 +145,7 @@ class trial_deletion {
     if (phase_ == phase::expired) return true;
     if (phase_ == phase::severing) {
       const bool all = go_through(limit, [this](candidate_type& c) {
-        if (!c.live && !c.table->sever(c.object)) mark(c);
+        if (!c.live && !c.table->sever(c.object)) has_thrown(c);
       });
       // What could not be severed stays, with what it refers to.
       if (!all || !exclude_marked(limit)) return false;
@@ -167,6 +167,8 @@ class trial_deletion {
 
   /// Whether a candidate is referred to from elsewhere in a way that no purge has seen yet.
   bool unpurged() const noexcept { return unpurged_; }
+  /// Whether some edges() threw in the last round: another one may find more, although no word changes.
+  bool threw() const noexcept { return threw_; }
   /// Calls f(candidate) for each candidate, before a purge. Another round will see what it changes, a grace period later.
   template <class F>
   void begin_purge(F f) noexcept {
@@ -223,7 +225,9 @@ class trial_deletion {
   void start(phase p) noexcept {
     phase_ = p;
     at_ = all_.begin();
-    if (p == phase::recording) edges_.clear();
+    if (p != phase::recording) return;
+    edges_.clear();
+    threw_ = false;
   }
   candidate_type* next() noexcept { return at_.next(); }
   /// Calls f(candidate) for each that is left in this phase. False if the limit came first.
@@ -249,6 +253,10 @@ class trial_deletion {
       unpurged_ = true;
     c.next_marked = marked_;
     marked_ = &c;
+  }
+  void has_thrown(candidate_type& c) noexcept {
+    threw_ = true;
+    mark(c);
   }
   /// Marks what the marked ones refer to. False if the limit came first.
   bool exclude_marked(limit_type& limit) noexcept {
@@ -341,6 +349,7 @@ class trial_deletion {
   bool changed_ = false;
   bool unsettled_ = false;
   bool unpurged_ = false;
+  bool threw_ = false;          // some edges(), in the last round
   bool purged_ = false;         // since the last round began
   bool any_blocks_ = false;     // some candidate's type has them
   bool marked_blocks_ = false;  // in this decision

@@ -178,6 +178,19 @@ struct Registries : ::testing::Test {
   slamgc::mutator me{domain, "test", {false, false}};
 };
 
+// A thread without a mutator makes it, and one with a mutator fills and clears it.
+TEST_F(Registries, OfADomainThatIsNamed) {
+  slamgc::domain other;
+  slamgc::registry<slamgc::rc_set<item>> all(other);
+  {
+    slamgc::mutator mapping(other, "mapping");
+    for (int i = 0; i != 10; ++i) all.insert(new item(i));
+    all.clear();
+  }
+  ASSERT_EQ(other.drain(), waited::done);
+  EXPECT_EQ(item::live(), 0);
+}
+
 TEST_F(Registries, OfSequencesWithNullElements) {
   slamgc::registry<slamgc::rc_vector<item>> all;
   const online scope(me);

@@ -188,6 +188,28 @@ TEST_F(Root, WhoseOwnerIsOfflineIsLeftAlone) {
   ASSERT_EQ(domain.drain(), waited::done);
 }
 
+// What a purge that it has missed would have dropped goes when it comes back, however often that was before.
+TEST_F(Root, WhoseOwnerHasMissedAPurge) {
+  slamgc::mutator owner(domain, "owner");
+  members m;
+  const slamgc::root root(owner, "m", m);
+  for (int i = 0; i != 10; ++i) {
+    m.last = new node;
+    slamgc::retire(m.last.get());
+    {
+      const slamgc::mutator::offline_scope offline(owner);
+      ASSERT_EQ(domain.drain(), waited::done);
+      EXPECT_NE(m.last, nullptr) << "nobody else touches it";
+    }
+    EXPECT_EQ(m.last, nullptr);
+  }
+  for (int i = 0; i != 6; ++i) {
+    (void)domain.collect();
+    owner.quiescent();
+  }
+  EXPECT_EQ(node::live(), 0);
+}
+
 TEST_F(Root, ThatOutlivesItsOwner) {
   members m;
   std::optional<slamgc::mutator> owner(std::in_place, domain, "owner");
