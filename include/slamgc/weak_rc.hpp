@@ -4,7 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
+#include <memory>  // std::hash
 #include <type_traits>
 #include <utility>
 

@@ -452,6 +452,8 @@ class program final : public oracle {
     if (mutators_[m]->is_online()) return;
     say("mutator %zu goes online", m);
     online_[m].emplace(*mutators_[m]);
+    look_at_roots_of(m);
+    check_counts();
   }
   void collect(slamgc::budget limit) {
     allow_suspicion();

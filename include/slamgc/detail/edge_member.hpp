@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <iterator>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -25,13 +24,18 @@ Reference reference_in(const counted_container<T, Std, Reference, Iterator>&);
 
 struct element_mapped;
 
+/// Whether elements are found by their number.
+template <class Sequence, class = void>
+struct has_index : std::false_type {};
+template <class Sequence>
+struct has_index<Sequence, std::void_t<decltype(std::declval<Sequence&>()[std::size_t{}])>>
+    : std::true_type {};
+
 /// Removes elements from a companion of a purged sequence, in step with it.
 template <class Companion>
 class companion_cursor {
   using iterator = typename Companion::iterator;
-  static constexpr bool by_index =
-      std::is_base_of<std::random_access_iterator_tag,
-                      typename std::iterator_traits<iterator>::iterator_category>::value;
+  static constexpr bool by_index = has_index<Companion>::value;
 
  public:
   explicit companion_cursor(Companion& c) : companion_(c), at_(c.begin()) {}
@@ -225,8 +229,12 @@ struct edge_keyed : edge_container<Container> {
       }
     }
     const auto gone = edge_container<Container>::removes(stale);
-    for (auto i = member.raw().begin(); i != member.raw().end();)
-      i = gone(reference()(*i)) ? static_cast<decltype(i)>(member.erase(i)) : std::next(i);
+    for (auto i = member.raw().begin(); i != member.raw().end();) {
+      if (gone(reference()(*i)))
+        i = member.erase(i);
+      else
+        ++i;
+    }
   }
 };
 

@@ -42,7 +42,11 @@ void report(const Misuse& m) {
 #endif
 
 // Addresses of code, so that a test can tell where a stack leads. Not inlined and not called last.
+#if defined(__clang__)
 #define PLACE(name) __attribute__((noinline, section("slamgc_" #name)))
+#else  // no clone elsewhere either
+#define PLACE(name) __attribute__((noipa, section("slamgc_" #name)))
+#endif
 extern "C" const char __start_slamgc_retiring[] __attribute__((visibility("hidden")));
 extern "C" const char __stop_slamgc_retiring[] __attribute__((visibility("hidden")));
 extern "C" const char __start_slamgc_reclaiming[] __attribute__((visibility("hidden")));
