@@ -10,6 +10,7 @@
 
 #include "support/instances.hpp"
 #include "support/policies.hpp"
+#include "support/stress.hpp"
 
 namespace {
 
@@ -310,11 +311,7 @@ TEST(Anchor, OutlivesTheDomain) {
   EXPECT_EQ(a.record()->parent.record()->pose, 4);
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int long_chain = 100000;
-#else
-constexpr int long_chain = 1000000;
-#endif
+const int long_chain = 100 * support::rounds();
 
 // Each record refers to the next; the last anchor frees all of them in the stack of one.
 TEST(Anchor, AChainOfRecordsIsFreedInASmallStack) {
