@@ -59,7 +59,8 @@ __attribute__((noinline)) void operator delete(void* p, std::size_t, std::align_
 }
 // NOLINTEND(misc-new-delete-overloads)
 
-// Walks allocate by calloc() and realloc(), which sanitizers want for themselves.
+// Walks allocate by calloc() and realloc(), which sanitizers want for themselves, and of which a program that is linked statically,
+// as that of the aarch64 lane, cannot have two.
 #if defined(__has_feature)
 #define SANITIZED (__has_feature(address_sanitizer) || __has_feature(thread_sanitizer))
 #elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -67,7 +68,7 @@ __attribute__((noinline)) void operator delete(void* p, std::size_t, std::align_
 #else
 #define SANITIZED 0
 #endif
-#if defined(__GLIBC__) && !SANITIZED
+#if defined(__GLIBC__) && defined(__x86_64__) && !SANITIZED
 extern "C" void* __libc_calloc(std::size_t, std::size_t);
 extern "C" void* __libc_realloc(void*, std::size_t);
 namespace {
