@@ -1782,7 +1782,6 @@ class heap_walk {
   void fail() noexcept { out_of_memory_ = true; }
   bool at_end() const noexcept { return pending_.empty(); }
   item next() noexcept { return pending_.pop(); }
-  std::size_t met() const noexcept { return met_.size(); }
   bool out_of_memory() const noexcept { return out_of_memory_; }
   void clear() noexcept {
     met_.clear();
@@ -3126,7 +3125,6 @@ class purge {
     candidate<Env>* entry;
   };
 
-  bool at_work() const noexcept { return at_work_; }
   /// Whether there is reason to begin one.
   bool due(const trial_deletion<Env>& trial) const noexcept {
     return !at_work_ && !gave_up_ && (trial.unpurged() || retry_in_ == 1);

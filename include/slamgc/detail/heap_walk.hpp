@@ -202,7 +202,6 @@ class heap_walk {
   void fail() noexcept { out_of_memory_ = true; }
   bool at_end() const noexcept { return pending_.empty(); }
   item next() noexcept { return pending_.pop(); }
-  std::size_t met() const noexcept { return met_.size(); }
   bool out_of_memory() const noexcept { return out_of_memory_; }
   void clear() noexcept {
     met_.clear();

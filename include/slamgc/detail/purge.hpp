@@ -46,7 +46,6 @@ class purge {
     candidate<Env>* entry;
   };
 
-  bool at_work() const noexcept { return at_work_; }
   /// Whether there is reason to begin one.
   bool due(const trial_deletion<Env>& trial) const noexcept {
     return !at_work_ && !gave_up_ && (trial.unpurged() || retry_in_ == 1);
