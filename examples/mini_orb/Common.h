@@ -54,7 +54,7 @@ class Racy {
   T operator->() const { return Get(); }
   T operator++(int) { return value_.fetch_add(1, std::memory_order_relaxed); }
   Racy& operator+=(T more) {
-    value_.fetch_add(more, std::memory_order_relaxed);
+    value_.fetch_add(more, std::memory_order_acq_rel);
     return *this;
   }
 

@@ -211,7 +211,7 @@ void LocalMapping::KeyFrameCulling() {
     }
     if (10 * nRedundantObservations > 9 * nMPs) {
       pKF->SetBadFlag();
-      ++mnCulled;
+      mnCulled += 1;
     }
     ++count;
     if ((count > 20 && mbAbortBA) || count > 100) break;

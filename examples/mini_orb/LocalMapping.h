@@ -43,7 +43,7 @@ class LocalMapping {
 
   Tracking* mpTracker = nullptr;
   LoopClosing* mpLoopCloser = nullptr;
-  int mnCulled = 0;
+  Racy<int> mnCulled = 0;
 
  private:
   bool CheckNewKeyFrames();

@@ -22,6 +22,7 @@ LoopClosing::LoopClosing(Atlas* pAtlas, KeyFrameDatabase* pDB, bool bThreads)
 
 void LoopClosing::Run() {
   while (RunOnce()) std::this_thread::sleep_for(std::chrono::microseconds(500));
+  mbStopGBA = true;
   if (mpThreadGBA != nullptr) mpThreadGBA->join();
   mpThreadGBA.reset();
   lock_guard<mutex> lock(mMutexFinish);
@@ -153,7 +154,10 @@ void LoopClosing::StopLocalMappingAndGBA() {
       mpThreadGBA.reset();
     }
   }
-  while (!mpLocalMapper->isStopped()) std::this_thread::sleep_for(std::chrono::microseconds(300));
+  while (!mpLocalMapper->isStopped()) {
+    mpLocalMapper->RequestStop();  // somebody may have released it meanwhile
+    std::this_thread::sleep_for(std::chrono::microseconds(300));
+  }
 }
 
 void LoopClosing::CorrectLoop() {
@@ -286,8 +290,8 @@ void LoopClosing::LaunchGBA(Map* pActiveMap) {
 void LoopClosing::RunGlobalBundleAdjustment(Map* pActiveMap, unsigned long nLoopKF) {
   const int idx = mnFullBAIdx;
   Optimizer::GlobalBundleAdjustemnt(pActiveMap, mnIterationsGBA, &mbStopGBA, nLoopKF);
-  lock_guard<mutex> lock(pActiveMap->mMutexMapUpdate);
   if (idx == mnFullBAIdx && !mbStopGBA) {
+    lock_guard<mutex> lock(pActiveMap->mMutexMapUpdate);
     std::vector<KeyFrame*> lpKFtoCheck = pActiveMap->GetKeyFrameOrigins();
     while (!lpKFtoCheck.empty()) {
       KeyFrame* const pKF = lpKFtoCheck.back();

@@ -49,7 +49,10 @@ System::~System() { Shutdown(); }
 void System::TrackRGBD(const Image& image) {
   if (mbActivateLocalizationMode) {
     mpLocalMapper->RequestStop();
-    while (!mpLocalMapper->isStopped()) std::this_thread::sleep_for(std::chrono::microseconds(300));
+    while (!mpLocalMapper->isStopped()) {
+      mpLocalMapper->RequestStop();  // loop closing may have released it meanwhile
+      std::this_thread::sleep_for(std::chrono::microseconds(300));
+    }
     mpTracker->InformOnlyTracking(true);
     mbActivateLocalizationMode = false;
   }
@@ -83,14 +86,12 @@ void System::TrackRGBD(const Image& image) {
 void System::Shutdown() {
   if (mbShutDown) return;
   mbShutDown = true;
-  mpLocalMapper->RequestFinish();
-  mpLoopCloser->RequestFinish();
   mpViewer->RequestFinish();
-  if (!mbThreads) return;
-  mptViewer.join();
-  // Loop closing may wait for local mapping to stop.
-  mptLoopClosing.join();
-  mptLocalMapping.join();
+  mpLoopCloser->RequestFinish();
+  if (mbThreads) mptViewer.join();
+  if (mbThreads) mptLoopClosing.join();  // it may wait for local mapping to stop
+  mpLocalMapper->RequestFinish();
+  if (mbThreads) mptLocalMapping.join();
   while (mpLoopCloser->isRunningGBA()) std::this_thread::sleep_for(std::chrono::microseconds(300));
 }
 
