@@ -263,7 +263,7 @@ void LoopClosing::FuseMatched(const std::vector<MapPoint*>& vpMatchedMPs) {
 }
 
 void LoopClosing::SearchAndFuse(const std::vector<KeyFrame*>& vConnectedKFs,
-                                std::vector<MapPoint*>& vpMapPoints) {
+                                const std::vector<MapPoint*>& vpMapPoints) {
   for (KeyFrame* pKFi : vConnectedKFs) {
     std::vector<MapPoint*> vpReplacePoints(vpMapPoints.size(), nullptr);
     ORBmatcher::Fuse(pKFi, vpMapPoints, 12, &vpReplacePoints);

@@ -52,7 +52,7 @@ class LoopClosing {
   void MergeLocal();
   void FuseMatched(const std::vector<MapPoint*>& vpMatchedMPs);
   void SearchAndFuse(const std::vector<KeyFrame*>& vConnectedKFs,
-                     std::vector<MapPoint*>& vpMapPoints);
+                     const std::vector<MapPoint*>& vpMapPoints);
   void StopLocalMappingAndGBA();
   void LaunchGBA(Map* pActiveMap);
   void RunGlobalBundleAdjustment(Map* pActiveMap, unsigned long nLoopKF);

@@ -127,44 +127,56 @@ void Optimizer::GlobalBundleAdjustemnt(Map* pMap, int nIterations, const Racy<bo
                                        unsigned long nLoopKF) {
   const std::vector<KeyFrame*> vpKFs = pMap->GetAllKeyFrames();
   const std::vector<MapPoint*> vpMP = pMap->GetAllMapPoints();
-  KeyFrameAndPose poses;
-  std::map<MapPoint*, Vec3, ById> places;
-  for (KeyFrame* pKF : vpKFs)
-    if (!pKF->isBad()) poses[pKF] = pKF->GetPose();
-  for (int iteration = 0; iteration != nIterations; ++iteration) {
-    std::map<KeyFrame*, Fit, ById> fits;
-    for (MapPoint* pMP : vpMP) {
-      if (*pbStopFlag) return;
-      if (pMP->isBad()) continue;
-      Vec3 sum;
-      int n = 0;
-      const auto observations = pMP->GetObservations();
-      for (const auto& [pKF, indexes] : observations) {
-        const std::size_t i = LeftIndex(indexes);
-        const auto it = poses.find(pKF);
-        if (it == poses.end() || pKF->mvDepth[i] <= 0) continue;
-        sum = sum + it->second.Inverse() * pKF->InCamera(i);
-        ++n;
-      }
-      if (n == 0) continue;
-      places[pMP] = (1.0 / n) * sum;
-      for (const auto& [pKF, indexes] : observations) {
-        const std::size_t i = LeftIndex(indexes);
-        if (pKF->mvDepth[i] > 0) fits[pKF].Add(pKF->InCamera(i), places[pMP]);
-      }
-    }
-    for (auto& [pKF, pose] : poses)
-      if (pKF->mnId != pMap->GetInitKFid() && fits[pKF].Count() >= 5) pose = fits[pKF].Tcw();
+  // From here on the problem has numbers for keyframes and points.
+  struct Edge {
+    std::size_t point, keyframe;
+    Vec3 camera;
+  };
+  std::map<KeyFrame*, std::size_t, ById> number;
+  std::vector<Pose> poses;
+  for (KeyFrame* pKF : vpKFs) {
+    number.emplace(pKF, poses.size());
+    poses.push_back(pKF->GetPose());
   }
+  std::vector<Edge> edges;
+  std::vector<Vec3> places;
+  for (MapPoint* pMP : vpMP) {
+    for (const auto& [pKF, indexes] : pMP->GetObservations()) {
+      const std::size_t i = LeftIndex(indexes);
+      const auto it = number.find(pKF);
+      if (it != number.end() && pKF->mvDepth[i] > 0)
+        edges.push_back({places.size(), it->second, pKF->InCamera(i)});
+    }
+    places.push_back(pMP->GetWorldPos());
+  }
+  const auto initial = number.find(pMap->GetOriginKF());
+  const std::size_t fixed = initial != number.end() ? initial->second : 0;
+
+  for (int iteration = 0; iteration != nIterations; ++iteration) {
+    if (*pbStopFlag) return;
+    std::vector<Vec3> sums(places.size());
+    std::vector<int> counts(places.size(), 0);
+    for (const Edge& edge : edges) {
+      sums[edge.point] = sums[edge.point] + poses[edge.keyframe].Inverse() * edge.camera;
+      ++counts[edge.point];
+    }
+    for (std::size_t i = 0; i != places.size(); ++i)
+      if (counts[i] != 0) places[i] = (1.0 / counts[i]) * sums[i];
+    std::vector<Fit> fits(poses.size());
+    for (const Edge& edge : edges) fits[edge.keyframe].Add(edge.camera, places[edge.point]);
+    for (std::size_t k = 0; k != poses.size(); ++k)
+      if (k != fixed && fits[k].Count() >= 5) poses[k] = fits[k].Tcw();
+  }
+
   lock_guard<mutex> lock(pMap->mMutexMapUpdate);
   if (*pbStopFlag) return;
-  for (const auto& [pKF, pose] : poses) {
-    pKF->mTcwGBA = pose;
-    pKF->mnBAGlobalForKF = nLoopKF;
+  for (std::size_t k = 0; k != poses.size(); ++k) {
+    vpKFs[k]->mTcwGBA = poses[k];
+    vpKFs[k]->mnBAGlobalForKF = nLoopKF;
   }
-  for (const auto& [pMP, place] : places) {
-    pMP->mPosGBA = place;
-    pMP->mnBAGlobalForKF = nLoopKF;
+  for (std::size_t i = 0; i != places.size(); ++i) {
+    vpMP[i]->mPosGBA = places[i];
+    vpMP[i]->mnBAGlobalForKF = nLoopKF;
   }
 }
 
