@@ -41,10 +41,10 @@ void report(const Misuse& m) {
 #define SLAMGC_TEST_EIGEN 1
 #endif
 
-// Addresses of code, so that a test can tell where a stack leads. Not inlined and not called last.
+// Addresses of code, so that a test can tell where a stack leads. Not inlined, not cloned, and it returns from what it calls.
 #if defined(__clang__)
-#define PLACE(name) __attribute__((noinline, section("slamgc_" #name)))
-#else  // no clone elsewhere either
+#define PLACE(name) __attribute__((noinline, optnone, section("slamgc_" #name)))
+#else
 #define PLACE(name) __attribute__((noipa, section("slamgc_" #name)))
 #endif
 extern "C" const char __start_slamgc_retiring[] __attribute__((visibility("hidden")));
