@@ -2,6 +2,8 @@
 /// Threads that hold borrowed pointers.
 #pragma once
 
+#include <optional>
+
 #include "assert.hpp"
 #include "detail/domain_state.hpp"
 #include "domain.hpp"
@@ -14,6 +16,8 @@ inline namespace SLAMGC_FLAVOUR {
 struct mutator_options {
   bool online = true;          ///< Begins online; else with its first online_scope.
   bool never_reclaim = false;  ///< Real-time thread: collect() is refused while it is online.
+  /// Used by several threads, one after the other, each with an online_scope of its own; between them it is offline.
+  bool roaming = false;
 };
 
 /// Registers the calling thread with a domain, for as long as it exists.
@@ -22,8 +26,9 @@ struct mutator_options {
 /// valid until its next quiescent(). It must call that regularly, at a point where it holds none, such as
 /// the end of its loop; or go offline. Its end, by an exception too, delays nobody and loses nothing.
 ///
-/// Made, used and destroyed by one thread. A thread may have several, also of different domains. Registering is O(records ever in use at once); everything else is O(1), plus one
-/// compare-and-swap for each type of which objects entered the table since the last quiescent state.
+/// Made, used and destroyed by one thread, unless it is roaming. A thread may have several, also of different domains. Registering is
+/// O(records ever in use at once); everything else is O(1), plus one compare-and-swap for each type of which objects entered the
+/// table since the last quiescent state.
 template <class Env>
 class basic_mutator {
  public:
@@ -35,9 +40,12 @@ class basic_mutator {
       : record_(detail::domain_access::state_of(to).enter(name != nullptr ? name : "")),
         me_{nullptr,          &detail::domain_access::state_of(to), &record_, record_.door, false,
             how.never_reclaim},
-        taking_part_(me_) {
+        roaming_(how.roaming) {
+    SLAMGC_ASSERT(!(how.roaming && how.online),
+                  (misuse{"makes a roaming mutator that is online", "mutator", this, 0}));
     me_.domain->retain();
-    if (how.online) go_online();
+    if (!roaming_) taking_part_.emplace(me_);
+    if (how.online && !roaming_) go_online();
   }
   /// Registers with default_domain().
   explicit basic_mutator(const char* name, options how = {})
@@ -45,8 +53,9 @@ class basic_mutator {
   /// The thread holds no borrowed pointer any more.
   ~basic_mutator() {
     SLAMGC_ASSERT(
-        (runtime::participants<Env>::any_in(
-            *me_.domain, [this](const runtime::participant<Env>& p) { return &p == &me_; })),
+        ((roaming_ && !me_.online) ||
+         runtime::participants<Env>::any_in(
+             *me_.domain, [this](const runtime::participant<Env>& p) { return &p == &me_; })),
         (misuse{"ends a mutator on another thread than its own", "mutator", this, 0}));
     if (me_.online) go_offline();
     while (me_.roots != nullptr) me_.roots->leave();
@@ -112,6 +121,7 @@ class basic_mutator {
   friend struct detail::mutator_access;
 
   void go_online() noexcept {
+    if (roaming_) taking_part_.emplace(me_);
     me_.domain->go_online(record_);
     me_.online = true;
     gave_up_borrowed();
@@ -122,6 +132,7 @@ class basic_mutator {
     me_.online = false;
     me_.publish();
     me_.domain->go_offline(record_);
+    if (roaming_) taking_part_.reset();
   }
   /// Only the checks of borrow.hpp want to know.
   void gave_up_borrowed() noexcept {
@@ -132,7 +143,8 @@ class basic_mutator {
 
   runtime::mutator_record<Env>& record_;
   runtime::participant<Env> me_;
-  runtime::participation<Env> taking_part_;
+  const bool roaming_;
+  std::optional<runtime::participation<Env>> taking_part_;
 };
 
 namespace detail {

@@ -23,6 +23,20 @@ using outcome = slamgc::collected::outcome;
 struct node : slamgc::rc_object<node, slamgc::fetch_add_counter, slamgc::reclaim_deferred>,
               support::instances<node> {};
 
+struct described
+    : slamgc::rc_object<described, slamgc::fetch_add_counter, slamgc::reclaim_retired> {
+  template <class Visitor>
+  void edges(Visitor&) {}
+};
+
+struct kept {
+  template <class Visitor>
+  void edges(Visitor& v) {
+    v.edge("slot", slot, slamgc::on_retire::null);
+  }
+  slamgc::rc_slot<described> slot;
+};
+
 class Mutator : public ::testing::Test {
  protected:
   ~Mutator() override { EXPECT_EQ(node::live(), 0); }
@@ -273,6 +287,56 @@ TEST_F(Mutator, WithoutAMutatorObjectsAreTheDefaultDomains) {
   p.reset();
   EXPECT_TRUE(slamgc::retire(new node));
   EXPECT_EQ(slamgc::default_domain().collect().reclaimed, 2u);
+}
+
+TEST_F(Mutator, RoamsFromThreadToThread) {
+  domain d;
+  mutator m(d, "m", {false, false, true});
+  EXPECT_FALSE(m.is_online());
+  const auto use = [&] {
+    const mutator::online_scope online(m);
+    EXPECT_TRUE(m.is_online());
+    slamgc::retire(new node);  // of its domain, whichever thread it is on
+    EXPECT_EQ(d.collect().reclaimed, 0u);
+  };
+  use();
+  std::thread(use).join();
+  std::thread(use).join();
+  EXPECT_EQ(live_in(d), 3u);
+  EXPECT_EQ(d.collect().reclaimed, 3u);
+  EXPECT_EQ(d.drain(), slamgc::waited::done);
+}
+
+TEST_F(Mutator, OfNoThreadWhileItDoesNotRoam) {
+  domain d;
+  std::thread([&] {
+    mutator m(d, "m", {false, false, true});
+    { const mutator::online_scope online(m); }
+    EXPECT_EQ(d.synchronize(), slamgc::waited::done);  // no part of this thread is online
+  }).join();
+  auto m = std::make_unique<mutator>(d, "m", mutator::options{false, false, true});
+  std::thread([&] { m.reset(); }).join();
+  EXPECT_TRUE(d.stats().mutators.empty());
+}
+
+// What it refers to is given up by whoever is the owner next.
+TEST_F(Mutator, RoamsWithItsRoots) {
+  domain d;
+  mutator m(d, "m", {false, false, true});
+  kept part;
+  const slamgc::root root(m, "kept", part);
+  {
+    const mutator::online_scope online(m);
+    auto* const p = new described;
+    part.slot = p;
+    slamgc::retire(p);
+  }
+  EXPECT_EQ(d.drain(), slamgc::waited::done);
+  EXPECT_NE(part.slot, nullptr);
+  std::thread([&] { const mutator::online_scope online(m); }).join();
+  EXPECT_EQ(part.slot, nullptr);
+  EXPECT_EQ(d.drain(), slamgc::waited::done);
+  EXPECT_EQ(live_in(d), 0u);
 }
 
 }  // namespace
