@@ -27,7 +27,8 @@
 // ---- slamgc/slamgc.hpp ----
 /// @file
 /// Everything, except mutex_counter.hpp, which exists for comparison, and what a program includes in one place, since
-/// `<mutex>` is large: background_reclaimer.hpp, diagnosis/quarantine.hpp, integrations/.
+/// `<mutex>` is large: background_reclaimer.hpp, diagnosis/quarantine.hpp, integrations/,
+/// adapters/.
 
 // ---- slamgc/anchor.hpp ----
 /// @file
@@ -4580,12 +4581,12 @@ class block_owner {
   using block = counted_block<Env>;
 
   /// Null if nobody has made a weak handle yet.
-  block* get() const noexcept {
+  block* slamgc_block() const noexcept {
     return block_.load(std::memory_order_acquire);  // (29) sees the block that another thread made.
   }
   /// Throws std::bad_alloc, the first time.
   block& get_or_make() const {
-    if (block* const made = get()) return *made;
+    if (block* const made = slamgc_block()) return *made;
     intrusive_rc<block> mine = make_rc<block>(this);
     block* found = nullptr;
     // (29) release: publishes the block; acquire: sees that of who came first.
@@ -4739,7 +4740,7 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
   }
   runtime::side_block<env>* block_of(void* object) const noexcept override {
     if constexpr (has_block<T>::value)
-      return owner_of<env>(*static_cast<const T*>(object)).get();
+      return owner_of<env>(*static_cast<const T*>(object)).slamgc_block();
     else
       return nullptr;
   }
@@ -5613,7 +5614,7 @@ class enable_anchor : public detail::block_owner<T, Env> {
     return intrusive_rc<detail::counted_block<Env>>(
         new block(static_cast<const detail::block_owner<T, Env>*>(this)));
   }
-  block& my_block() const noexcept { return static_cast<block&>(*this->get()); }
+  block& my_block() const noexcept { return static_cast<block&>(*this->slamgc_block()); }
 };
 
 /// Refers to an object without keeping it, and to the record that it leaves when it is reclaimed.
@@ -5636,7 +5637,7 @@ class anchor {
   constexpr anchor(std::nullptr_t) noexcept {}
   /// Refers to @p p. By an online mutator of the object's domain, or who holds a counted reference.
   explicit anchor(T* p) noexcept
-      : block_(p != nullptr ? detail::owner_of<Env>(*p).get() : nullptr) {
+      : block_(p != nullptr ? detail::owner_of<Env>(*p).slamgc_block() : nullptr) {
     static_assert(
         std::is_base_of<enable_anchor<T, Record, Env>, T>::value,
         "slamgc: an anchor<T, Record> refers to a T that derives from enable_anchor<T, Record>");
@@ -7240,6 +7241,8 @@ inline namespace SLAMGC_FLAVOUR {
 struct mutator_options {
   bool online = true;          ///< Begins online; else with its first online_scope.
   bool never_reclaim = false;  ///< Real-time thread: collect() is refused while it is online.
+  /// Used by several threads, one after the other, each with an online_scope of its own; between them it is offline.
+  bool roaming = false;
 };
 
 /// Registers the calling thread with a domain, for as long as it exists.
@@ -7248,8 +7251,9 @@ struct mutator_options {
 /// valid until its next quiescent(). It must call that regularly, at a point where it holds none, such as
 /// the end of its loop; or go offline. Its end, by an exception too, delays nobody and loses nothing.
 ///
-/// Made, used and destroyed by one thread. A thread may have several, also of different domains. Registering is O(records ever in use at once); everything else is O(1), plus one
-/// compare-and-swap for each type of which objects entered the table since the last quiescent state.
+/// Made, used and destroyed by one thread, unless it is roaming. A thread may have several, also of different domains. Registering is
+/// O(records ever in use at once); everything else is O(1), plus one compare-and-swap for each type of which objects entered the
+/// table since the last quiescent state.
 template <class Env>
 class basic_mutator {
  public:
@@ -7261,9 +7265,12 @@ class basic_mutator {
       : record_(detail::domain_access::state_of(to).enter(name != nullptr ? name : "")),
         me_{nullptr,          &detail::domain_access::state_of(to), &record_, record_.door, false,
             how.never_reclaim},
-        taking_part_(me_) {
+        roaming_(how.roaming) {
+    SLAMGC_ASSERT(!(how.roaming && how.online),
+                  (misuse{"makes a roaming mutator that is online", "mutator", this, 0}));
     me_.domain->retain();
-    if (how.online) go_online();
+    if (!roaming_) taking_part_.emplace(me_);
+    if (how.online && !roaming_) go_online();
   }
   /// Registers with default_domain().
   explicit basic_mutator(const char* name, options how = {})
@@ -7271,8 +7278,9 @@ class basic_mutator {
   /// The thread holds no borrowed pointer any more.
   ~basic_mutator() {
     SLAMGC_ASSERT(
-        (runtime::participants<Env>::any_in(
-            *me_.domain, [this](const runtime::participant<Env>& p) { return &p == &me_; })),
+        ((roaming_ && !me_.online) ||
+         runtime::participants<Env>::any_in(
+             *me_.domain, [this](const runtime::participant<Env>& p) { return &p == &me_; })),
         (misuse{"ends a mutator on another thread than its own", "mutator", this, 0}));
     if (me_.online) go_offline();
     while (me_.roots != nullptr) me_.roots->leave();
@@ -7338,6 +7346,7 @@ class basic_mutator {
   friend struct detail::mutator_access;
 
   void go_online() noexcept {
+    if (roaming_) taking_part_.emplace(me_);
     me_.domain->go_online(record_);
     me_.online = true;
     gave_up_borrowed();
@@ -7348,6 +7357,7 @@ class basic_mutator {
     me_.online = false;
     me_.publish();
     me_.domain->go_offline(record_);
+    if (roaming_) taking_part_.reset();
   }
   /// Only the checks of borrow.hpp want to know.
   void gave_up_borrowed() noexcept {
@@ -7358,7 +7368,8 @@ class basic_mutator {
 
   runtime::mutator_record<Env>& record_;
   runtime::participant<Env> me_;
-  runtime::participation<Env> taking_part_;
+  const bool roaming_;
+  std::optional<runtime::participation<Env>> taking_part_;
 };
 
 namespace detail {

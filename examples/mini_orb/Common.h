@@ -90,8 +90,7 @@ struct ById {
   }
 };
 
-// Whether what is culled is freed; and waits until all that can be is. show_change prints what makes a difference of it.
+// Whether what is culled is freed: the tests ask.
 inline constexpr bool kReclaims = false;
-inline bool Drain() { return true; }
 
 }  // namespace mini_orb

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "KeyFrame.h"
+#include "MapPoint.h"
+
 namespace mini_orb {
 
 Racy<unsigned long> Frame::nNextId;

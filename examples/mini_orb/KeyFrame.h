@@ -8,6 +8,7 @@
 
 #include "Common.h"
 #include "Frame.h"
+#include "MapPoint.h"
 
 namespace mini_orb {
 

@@ -5,6 +5,9 @@
 #include <vector>
 
 #include "Common.h"
+#include "Frame.h"
+#include "KeyFrame.h"
+#include "Map.h"
 
 namespace mini_orb {
 

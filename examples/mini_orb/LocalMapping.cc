@@ -1,8 +1,8 @@
 #include "LocalMapping.h"
 
+#include <unistd.h>
+
 #include <algorithm>
-#include <chrono>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -23,7 +23,7 @@ LocalMapping::LocalMapping(Atlas* pAtlas, bool bThreads)
     : mpAtlas(pAtlas), mbThreads(bThreads), mbFinished(!bThreads) {}
 
 void LocalMapping::Run() {
-  while (RunOnce()) std::this_thread::sleep_for(std::chrono::microseconds(300));
+  while (RunOnce()) usleep(300);
   lock_guard<mutex> lock(mMutexFinish);
   mbFinished = true;
 }
@@ -273,7 +273,7 @@ void LocalMapping::RequestReset() {
       lock_guard<mutex> lock(mMutexReset);
       if (!mbResetRequested) return;
     }
-    std::this_thread::sleep_for(std::chrono::microseconds(300));
+    usleep(300);
   }
 }
 
@@ -289,7 +289,7 @@ void LocalMapping::RequestResetActiveMap(Map* pMap) {
       lock_guard<mutex> lock(mMutexReset);
       if (!mbResetRequestedActiveMap) return;
     }
-    std::this_thread::sleep_for(std::chrono::microseconds(300));
+    usleep(300);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include "Common.h"
+#include "KeyFrame.h"
 
 namespace mini_orb {
 

@@ -1,7 +1,8 @@
 #include "LoopClosing.h"
 
+#include <unistd.h>
+
 #include <algorithm>
-#include <chrono>
 #include <set>
 
 #include "Atlas.h"
@@ -21,7 +22,7 @@ LoopClosing::LoopClosing(Atlas* pAtlas, KeyFrameDatabase* pDB, bool bThreads)
     : mpAtlas(pAtlas), mpKeyFrameDB(pDB), mbThreads(bThreads), mbFinished(!bThreads) {}
 
 void LoopClosing::Run() {
-  while (RunOnce()) std::this_thread::sleep_for(std::chrono::microseconds(500));
+  while (RunOnce()) usleep(500);
   mbStopGBA = true;
   if (mpThreadGBA != nullptr) mpThreadGBA->join();
   mpThreadGBA.reset();
@@ -156,7 +157,7 @@ void LoopClosing::StopLocalMappingAndGBA() {
   }
   while (!mpLocalMapper->isStopped()) {
     mpLocalMapper->RequestStop();  // somebody may have released it meanwhile
-    std::this_thread::sleep_for(std::chrono::microseconds(300));
+    usleep(300);
   }
 }
 
@@ -352,7 +353,7 @@ void LoopClosing::RequestReset() {
       lock_guard<mutex> lock(mMutexReset);
       if (!mbResetRequested) return;
     }
-    std::this_thread::sleep_for(std::chrono::microseconds(300));
+    usleep(300);
   }
 }
 
@@ -368,7 +369,7 @@ void LoopClosing::RequestResetActiveMap(Map* pMap) {
       lock_guard<mutex> lock(mMutexReset);
       if (!mbResetActiveMapRequested) return;
     }
-    std::this_thread::sleep_for(std::chrono::microseconds(300));
+    usleep(300);
   }
 }
 

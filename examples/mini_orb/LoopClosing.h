@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "Common.h"
+#include "KeyFrame.h"
 #include "Optimizer.h"
 
 namespace mini_orb {

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "Common.h"
+#include "KeyFrame.h"
+#include "MapPoint.h"
 
 namespace mini_orb {
 

@@ -6,6 +6,8 @@
 
 #include "Common.h"
 #include "Frame.h"
+#include "KeyFrame.h"
+#include "Map.h"
 #include "World.h"
 
 namespace mini_orb {

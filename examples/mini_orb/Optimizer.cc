@@ -152,21 +152,23 @@ void Optimizer::GlobalBundleAdjustemnt(Map* pMap, int nIterations, const Racy<bo
   const auto initial = number.find(pMap->GetOriginKF());
   const std::size_t fixed = initial != number.end() ? initial->second : 0;
 
-  for (int iteration = 0; iteration != nIterations; ++iteration) {
-    if (*pbStopFlag) return;
-    std::vector<Vec3> sums(places.size());
-    std::vector<int> counts(places.size(), 0);
-    for (const Edge& edge : edges) {
-      sums[edge.point] = sums[edge.point] + poses[edge.keyframe].Inverse() * edge.camera;
-      ++counts[edge.point];
+  const auto optimize = [&] {
+    for (int iteration = 0; iteration != nIterations && !*pbStopFlag; ++iteration) {
+      std::vector<Vec3> sums(places.size());
+      std::vector<int> counts(places.size(), 0);
+      for (const Edge& edge : edges) {
+        sums[edge.point] = sums[edge.point] + poses[edge.keyframe].Inverse() * edge.camera;
+        ++counts[edge.point];
+      }
+      for (std::size_t i = 0; i != places.size(); ++i)
+        if (counts[i] != 0) places[i] = (1.0 / counts[i]) * sums[i];
+      std::vector<Fit> fits(poses.size());
+      for (const Edge& edge : edges) fits[edge.keyframe].Add(edge.camera, places[edge.point]);
+      for (std::size_t k = 0; k != poses.size(); ++k)
+        if (k != fixed && fits[k].Count() >= 5) poses[k] = fits[k].Tcw();
     }
-    for (std::size_t i = 0; i != places.size(); ++i)
-      if (counts[i] != 0) places[i] = (1.0 / counts[i]) * sums[i];
-    std::vector<Fit> fits(poses.size());
-    for (const Edge& edge : edges) fits[edge.keyframe].Add(edge.camera, places[edge.point]);
-    for (std::size_t k = 0; k != poses.size(); ++k)
-      if (k != fixed && fits[k].Count() >= 5) poses[k] = fits[k].Tcw();
-  }
+  };
+  optimize();
 
   lock_guard<mutex> lock(pMap->mMutexMapUpdate);
   if (*pbStopFlag) return;

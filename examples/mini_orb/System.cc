@@ -1,7 +1,8 @@
 #include "System.h"
 
+#include <unistd.h>
+
 #include <algorithm>
-#include <chrono>
 #include <iomanip>
 #include <istream>
 #include <map>
@@ -43,15 +44,24 @@ System::System(bool bThreads) : mbThreads(bThreads) {
   mptViewer = std::thread(&Viewer::Run, mpViewer);
 }
 
-// As ORB-SLAM3, it deletes nothing.
-System::~System() { Shutdown(); }
+// What they refer to stays, as in ORB-SLAM3.
+System::~System() {
+  Shutdown();
+  delete mpViewer;
+  delete mpLoopCloser;
+  delete mpLocalMapper;
+  delete mpTracker;
+  delete mpFrameDrawer;
+  delete mpKeyFrameDatabase;
+  delete mpAtlas;
+}
 
 void System::TrackRGBD(const Image& image) {
   if (mbActivateLocalizationMode) {
     mpLocalMapper->RequestStop();
     while (!mpLocalMapper->isStopped()) {
       mpLocalMapper->RequestStop();  // loop closing may have released it meanwhile
-      std::this_thread::sleep_for(std::chrono::microseconds(300));
+      usleep(300);
     }
     mpTracker->InformOnlyTracking(true);
     mbActivateLocalizationMode = false;
@@ -63,8 +73,7 @@ void System::TrackRGBD(const Image& image) {
   }
   if (mbReset || mbResetActiveMap) {
     if (mbThreads) mpViewer->RequestStop();
-    while (mbThreads && !mpViewer->isStopped())
-      std::this_thread::sleep_for(std::chrono::microseconds(300));
+    while (mbThreads && !mpViewer->isStopped()) usleep(300);
     if (mbReset)
       mpTracker->Reset();
     else
@@ -92,7 +101,7 @@ void System::Shutdown() {
   if (mbThreads) mptLoopClosing.join();  // it may wait for local mapping to stop
   mpLocalMapper->RequestFinish();
   if (mbThreads) mptLocalMapping.join();
-  while (mpLoopCloser->isRunningGBA()) std::this_thread::sleep_for(std::chrono::microseconds(300));
+  while (mpLoopCloser->isRunningGBA()) usleep(300);
 }
 
 void System::SaveTrajectory(std::ostream& out) {
@@ -100,16 +109,18 @@ void System::SaveTrajectory(std::ostream& out) {
   auto pose = mpTracker->mlRelativeFramePoses.begin();
   auto time = mpTracker->mlFrameTimes.begin();
   auto lost = mpTracker->mlbLost.begin();
-  for (KeyFrame* pKF : mpTracker->mlpReferences) {
+  for (const auto& reference : mpTracker->mlpReferences) {
     const Pose Tcr = *pose++;
     const double at = *time++;
     if (*lost++) continue;
+    KeyFrame* pKF = reference;
     Pose Trw;
     while (pKF->isBad() && pKF->GetParent() != nullptr) {
       Trw = Trw * pKF->mTcp;
       pKF = pKF->GetParent();
     }
-    const Pose Twc = (Tcr * Trw * pKF->GetPose()).Inverse();
+    Trw = Trw * pKF->GetPose();
+    const Pose Twc = (Tcr * Trw).Inverse();
     out << at << ' ' << Twc.t.x << ' ' << Twc.t.y << ' ' << Twc.t.z << ' ' << Twc.yaw << '\n';
   }
 }

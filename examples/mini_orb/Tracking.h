@@ -6,6 +6,7 @@
 
 #include "Common.h"
 #include "Frame.h"
+#include "KeyFrame.h"
 
 namespace mini_orb {
 

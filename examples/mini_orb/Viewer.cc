@@ -1,7 +1,6 @@
 #include "Viewer.h"
 
-#include <chrono>
-#include <thread>
+#include <unistd.h>
 
 #include "Atlas.h"
 #include "KeyFrame.h"
@@ -28,7 +27,7 @@ Viewer::Viewer(FrameDrawer* pFrameDrawer, Atlas* pAtlas, bool bThreads)
     : mpFrameDrawer(pFrameDrawer), mpAtlas(pAtlas), mbFinished(!bThreads) {}
 
 void Viewer::Run() {
-  while (RunOnce()) std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  while (RunOnce()) usleep(3000);
   lock_guard<mutex> lock(mMutex);
   mbFinished = true;
 }

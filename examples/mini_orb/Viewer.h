@@ -5,6 +5,7 @@
 
 #include "Common.h"
 #include "Frame.h"
+#include "MapPoint.h"
 
 namespace mini_orb {
 

@@ -28,20 +28,18 @@ class MiniOrb : public testing::Test {
   }
   // Points that are bad and still alive, since tracking used them in its last frame.
   void ExpectNothingButTheMap() {
-    ASSERT_TRUE(Drain());
+    ASSERT_TRUE(session.system->Drain());
     EXPECT_EQ(KeyFrames(), Held(&System::Summary::keyframes));
     EXPECT_EQ(Maps(), Held(&System::Summary::maps));
     EXPECT_EQ(Points(), Held(&System::Summary::points));
   }
   void ExpectNothingAtTheEnd() {
     session.system.reset();
-    ASSERT_TRUE(Drain());
     EXPECT_EQ(KeyFrames(), 0);
     EXPECT_EQ(Points(), 0);
     EXPECT_EQ(Maps(), 0);
   }
 
-  [[maybe_unused]] const bool drained_ = Drain();  // what the test before has left
   const long keyframes_ = Instances<KeyFrame>::Alive();
   const long points_ = Instances<MapPoint>::Alive();
   const long maps_ = Instances<Map>::Alive();
@@ -52,7 +50,7 @@ TEST_F(MiniOrb, B1CulledKeyFramesStay) {
   session.Drive(5 * World::kLap);
   const auto now = session.system->GetSummary();
   ASSERT_GT(now.culled, 20);
-  ASSERT_TRUE(Drain());
+  ASSERT_TRUE(session.system->Drain());
   if (!kReclaims) {
     EXPECT_GE(KeyFrames(), Held(&System::Summary::keyframes) + 20);
   }
@@ -63,7 +61,7 @@ TEST_F(MiniOrb, B1CulledKeyFramesStay) {
 TEST_F(MiniOrb, B3AndB4BadAndReplacedPointsStay) {
   session.Drive(2 * World::kLap);
   ASSERT_GE(session.system->GetSummary().loops, 1);
-  ASSERT_TRUE(Drain());
+  ASSERT_TRUE(session.system->Drain());
   if (!kReclaims) {
     EXPECT_GT(Points(), 3 * Held(&System::Summary::points) / 2);
   }
@@ -75,7 +73,7 @@ TEST_F(MiniOrb, B7AndB10AClearedMapStays) {
   const long before = KeyFrames();
   session.system->ResetActiveMap();
   session.Drive(20);
-  ASSERT_TRUE(Drain());
+  ASSERT_TRUE(session.system->Drain());
   ASSERT_LT(Held(&System::Summary::keyframes), 5);
   if (!kReclaims) {
     EXPECT_GE(KeyFrames(), before + 1);
@@ -88,7 +86,7 @@ TEST_F(MiniOrb, B8AndB9AResetLeavesEverything) {
   const long before = KeyFrames();
   session.system->Reset();
   session.Drive(20);
-  ASSERT_TRUE(Drain());
+  ASSERT_TRUE(session.system->Drain());
   if (!kReclaims) {
     EXPECT_EQ(Maps(), 2);
   }
@@ -106,7 +104,7 @@ TEST_F(MiniOrb, B10TrackingLosesItselfInASmallMap) {
   session.Dark(30);
   session.Drive(10);
   EXPECT_EQ(session.system->GetSummary().state, Tracking::OK);
-  ASSERT_TRUE(Drain());
+  ASSERT_TRUE(session.system->Drain());
   if (!kReclaims) {
     EXPECT_GT(KeyFrames(), Held(&System::Summary::keyframes));
   }
@@ -121,7 +119,7 @@ TEST_F(MiniOrb, B12AMergedMapStays) {
   session.Drive(World::kLap);
   ASSERT_EQ(session.system->GetSummary().merges, 1);
   ASSERT_EQ(session.system->GetSummary().maps, 1u);
-  ASSERT_TRUE(Drain());
+  ASSERT_TRUE(session.system->Drain());
   if (!kReclaims) {
     EXPECT_EQ(Maps(), 2);
   }
@@ -136,7 +134,7 @@ TEST_F(MiniOrb, B11AQueueIsDropped) {
   auto* const pKF = new KeyFrame(frame, session.system->mpAtlas->GetCurrentMap(), nullptr);
   session.system->mpLocalMapper->InsertKeyFrame(pKF);
   session.system->mpLocalMapper->RequestReset();
-  ASSERT_TRUE(Drain());
+  ASSERT_TRUE(session.system->Drain());
   EXPECT_EQ(KeyFrames(), before + (kReclaims ? 0 : 1));
 }
 

@@ -108,7 +108,7 @@ class enable_anchor : public detail::block_owner<T, Env> {
     return intrusive_rc<detail::counted_block<Env>>(
         new block(static_cast<const detail::block_owner<T, Env>*>(this)));
   }
-  block& my_block() const noexcept { return static_cast<block&>(*this->get()); }
+  block& my_block() const noexcept { return static_cast<block&>(*this->slamgc_block()); }
 };
 
 /// Refers to an object without keeping it, and to the record that it leaves when it is reclaimed.
@@ -131,7 +131,7 @@ class anchor {
   constexpr anchor(std::nullptr_t) noexcept {}
   /// Refers to @p p. By an online mutator of the object's domain, or who holds a counted reference.
   explicit anchor(T* p) noexcept
-      : block_(p != nullptr ? detail::owner_of<Env>(*p).get() : nullptr) {
+      : block_(p != nullptr ? detail::owner_of<Env>(*p).slamgc_block() : nullptr) {
     static_assert(
         std::is_base_of<enable_anchor<T, Record, Env>, T>::value,
         "slamgc: an anchor<T, Record> refers to a T that derives from enable_anchor<T, Record>");

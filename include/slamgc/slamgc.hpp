@@ -1,6 +1,7 @@
 /// @file
 /// Everything, except mutex_counter.hpp, which exists for comparison, and what a program includes in one place, since
-/// `<mutex>` is large: background_reclaimer.hpp, diagnosis/quarantine.hpp, integrations/.
+/// `<mutex>` is large: background_reclaimer.hpp, diagnosis/quarantine.hpp, integrations/,
+/// adapters/.
 #pragma once
 
 #include "anchor.hpp"

@@ -37,12 +37,12 @@ class block_owner {
   using block = counted_block<Env>;
 
   /// Null if nobody has made a weak handle yet.
-  block* get() const noexcept {
+  block* slamgc_block() const noexcept {
     return block_.load(std::memory_order_acquire);  // (29) sees the block that another thread made.
   }
   /// Throws std::bad_alloc, the first time.
   block& get_or_make() const {
-    if (block* const made = get()) return *made;
+    if (block* const made = slamgc_block()) return *made;
     intrusive_rc<block> mine = make_rc<block>(this);
     block* found = nullptr;
     // (29) release: publishes the block; acquire: sees that of who came first.

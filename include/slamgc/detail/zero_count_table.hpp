@@ -127,7 +127,7 @@ class zero_count_table final : public runtime::table_base<typename policy_of<T>:
   }
   runtime::side_block<env>* block_of(void* object) const noexcept override {
     if constexpr (has_block<T>::value)
-      return owner_of<env>(*static_cast<const T*>(object)).get();
+      return owner_of<env>(*static_cast<const T*>(object)).slamgc_block();
     else
       return nullptr;
   }

@@ -1,0 +1,352 @@
+/// @file
+/// slamgc in ORB-SLAM3: what is known of its classes, so that a change of some hundred lines is enough. docs/orb-slam3.md is the guide.
+///
+/// ORB-SLAM3's members become counted ones, under the names that they have; locals, parameters and return types stay raw pointers.
+/// Three base classes make keyframes, points and maps objects; `access`, a friend of ORB-SLAM3's classes, knows what
+/// becomes of each member when its target is retired; a `thread` in each Run() and a `frame` in each TrackX() say when the thread
+/// holds no pointer; a `session` reclaims in the background.
+///
+/// Nothing of ORB-SLAM3 is included here, and its classes are template parameters: a fork with other types compiles, too. Members
+/// that a system does not have (ORB-SLAM2 has fewer) are left out; a member that it has and that is not counted yet is left
+/// out as well, until session::start(), which refuses to compile.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "../anchor.hpp"
+#include "../background_reclaimer.hpp"
+#include "../containers/rc_list.hpp"
+#include "../containers/rc_map.hpp"
+#include "../containers/rc_set.hpp"
+#include "../containers/rc_vector.hpp"
+#include "../deferred.hpp"
+#include "../detail/orb_slam_members.hpp"
+#include "../domain.hpp"
+#include "../mutator.hpp"
+#include "../pin.hpp"
+#include "../rc_object.hpp"
+#include "../rc_slot.hpp"
+#include "../registry.hpp"
+#include "../root.hpp"
+#include "../stats.hpp"
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// Ends with its owner.
+struct any_orb_slam_root {
+  virtual ~any_orb_slam_root() = default;
+};
+
+}  // namespace detail
+namespace orb_slam3 {
+
+/// What may read the members of ORB-SLAM3's classes: `friend slamgc::orb_slam3::access;` in each class that the guide names.
+using access = detail::orb_slam_members;
+
+/// What a reclaimed keyframe leaves for the trajectory.
+template <class KeyFrame, class Pose>
+struct pose_record {
+  bool bad = false;                           ///< Whether it was culled; else its map was cleared.
+  Pose mTcp{};                                ///< Of a bad one: to its parent.
+  Pose Tcw{};                                 ///< Where it was.
+  anchor<KeyFrame, pose_record> parent = {};  ///< Its parent, or what that has left.
+};
+
+/// Base class of `KeyFrame`. @p Pose is what its GetPose() returns by value: `Sophus::SE3f`.
+///
+/// ```
+/// class KeyFrame : public slamgc::orb_slam3::keyframe_base<KeyFrame, Sophus::SE3f> {
+///   friend slamgc::orb_slam3::access;
+/// ```
+template <class KeyFrame, class Pose>
+class keyframe_base : public rc_object<KeyFrame, fetch_add_counter, reclaim_retired>,
+                      public enable_anchor<KeyFrame, pose_record<KeyFrame, Pose>> {
+ public:
+  /// Describes its members, under its locks.
+  template <class Visitor>
+  void edges(Visitor& v) {
+    access::keyframe(v, static_cast<KeyFrame&>(*this));
+  }
+  /// What it leaves. Takes its locks.
+  pose_record<KeyFrame, Pose> record() {
+    auto& me = static_cast<KeyFrame&>(*this);
+    return {me.isBad(), me.mTcp, me.GetPose(),
+            anchor<KeyFrame, pose_record<KeyFrame, Pose>>(me.GetParent())};
+  }
+  /// Reports call it by its mnId.
+  std::uint64_t report_id() const { return static_cast<const KeyFrame&>(*this).mnId; }
+};
+
+/// Base class of `MapPoint`.
+template <class MapPoint>
+class map_point_base : public rc_object<MapPoint, fetch_add_counter, reclaim_retired> {
+ public:
+  /// Describes its members, under its locks.
+  template <class Visitor>
+  void edges(Visitor& v) {
+    access::map_point(v, static_cast<MapPoint&>(*this));
+  }
+  /// Reports call it by its mnId.
+  std::uint64_t report_id() const { return static_cast<const MapPoint&>(*this).mnId; }
+};
+
+/// Base class of `Map`.
+template <class Map>
+class map_base : public rc_object<Map, fetch_add_counter, reclaim_retired> {
+ public:
+  /// Describes its members, under its lock.
+  template <class Visitor>
+  void edges(Visitor& v) {
+    access::map(v, static_cast<Map&>(*this));
+  }
+};
+
+/// An element of `Tracking::mlpReferences`: a keyframe, or what it has left.
+///
+/// ```
+/// std::list<slamgc::orb_slam3::trajectory_reference<KeyFrame, Sophus::SE3f>> mlpReferences;
+/// ```
+///
+/// Thread-safety: that of anchor. walk() and Trw() on a thread that has a `thread` or a `frame`.
+template <class KeyFrame, class Pose>
+class trajectory_reference {
+ public:
+  /// Of a keyframe, or none.
+  trajectory_reference(KeyFrame* pKF = nullptr) : anchor_(pKF) {}
+  /// Of what a slot refers to.
+  trajectory_reference(const rc_slot<KeyFrame>& pKF) : anchor_(pKF) {}
+
+  /// Whether there is a keyframe, or was one.
+  [[nodiscard]] explicit operator bool() const noexcept { return static_cast<bool>(anchor_); }
+
+  /// From here to the first keyframe that is not bad, through the parents, as ORB-SLAM3's loop
+  /// `while (pKF->isBad()) { Trw = Trw * pKF->mTcp; pKF = pKF->GetParent(); }` does, multiplication by multiplication. Null if
+  /// there is none, or if its map was cleared and it is gone. O(culled keyframes on the way).
+  KeyFrame* walk(Pose& Trw) const {
+    return walk([&Trw](const Pose& mTcp) { Trw = Trw * mTcp; }).keyframe;
+  }
+  /// The same, of which the pose is of no interest.
+  [[nodiscard]] KeyFrame* walk() const {
+    return walk([](const Pose&) {}).keyframe;
+  }
+  /// `Trw` after that loop and `Trw = Trw * pKF->GetPose()`; where the keyframe was, if it is gone. @p identity is what the
+  /// loop begins with.
+  [[nodiscard]] Pose Trw(Pose identity = Pose()) const {
+    const end last = walk([&identity](const Pose& mTcp) { identity = identity * mTcp; });
+    return last.Tcw ? Pose(identity * *last.Tcw) : identity;
+  }
+
+ private:
+  using record = pose_record<KeyFrame, Pose>;
+  using link = anchor<KeyFrame, record>;
+  struct end {
+    KeyFrame* keyframe = nullptr;
+    std::optional<Pose> Tcw{};
+  };
+
+  template <class F>
+  end walk(F passes) const {
+    link at = anchor_;
+    end last;
+    while (at) {
+      at = at.read(
+          [&](KeyFrame& kf) {
+            link parent;
+            if (kf.isBad()) parent = link(kf.GetParent());
+            if (parent)
+              passes(kf.mTcp);
+            else
+              last = {kf.isBad() ? nullptr : &kf, kf.GetPose()};
+            return parent;
+          },
+          [&](const record& r) {
+            link parent;
+            if (r.bad) parent = r.parent;
+            if (parent)
+              passes(r.mTcp);
+            else
+              last.Tcw = r.Tcw;
+            return parent;
+          });
+    }
+    return last;
+  }
+
+  link anchor_;
+};
+
+/// Registers the calling thread while it exists: the first line of `LocalMapping::Run`, `LoopClosing::Run`, `Viewer::Run`, and of
+/// what a user's thread calls while the system runs, such as `System::SaveTrajectoryTUM`. (`System::TrackX` has a frame.)
+///
+/// What the thread reads from the map stays valid until its next usleep() or quiescent(), or the end of this. It reclaims nothing.
+/// Thread-safety: for the thread that makes it.
+class thread {
+ public:
+  /// @p name stays valid, as a string literal does. Throws std::bad_alloc.
+  explicit thread(const char* name) : mutator_(name, {true, true, false}) {}
+  /// With the members of @p part, `*this` in Run(), that no lock guards: this thread drops stale references from them.
+  template <class Part>
+  thread(const char* name, Part& part) : thread(name) {
+    part_ = std::make_unique<rooted<Part>>(mutator_, name, part);
+  }
+  thread(const thread&) = delete;
+  thread& operator=(const thread&) = delete;
+
+  /// The thread holds no pointer now.
+  void quiescent() noexcept { mutator_.quiescent(); }
+  /// Sleeps so many microseconds. The thread holds no pointer meanwhile.
+  void usleep(unsigned microseconds) {
+    const mutator::offline_scope offline(mutator_);
+    std::this_thread::sleep_for(std::chrono::microseconds(microseconds));
+  }
+
+ private:
+  friend class adjustment;
+
+  template <class Part>
+  struct rooted final : detail::any_orb_slam_root {
+    rooted(mutator& owner, const char* name, Part& p) : part{p}, place(owner, name, part) {}
+    detail::orb_slam_part<Part> part;
+    root place;
+  };
+
+  mutator mutator_;
+  std::unique_ptr<detail::any_orb_slam_root> part_;
+};
+
+/// The thread of a global bundle adjustment, which may take minutes: the first line of `LoopClosing::RunGlobalBundleAdjustment`.
+///
+/// ```
+/// void LoopClosing::RunGlobalBundleAdjustment(slamgc::pin<Map> pActiveMap, unsigned long nLoopKF) {
+///   slamgc::orb_slam3::adjustment me;
+/// ...
+///   slamgc::orb_slam3::adjustment::optimize([&] { optimizer.optimize(nIterations); }, vpKFs, vpMP);  // Optimizer
+/// ```
+///
+/// Its map is given as a pin, since the thread that starts it may drop the map before it is registered.
+class adjustment {
+ public:
+  /// Throws std::bad_alloc.
+  adjustment() : thread_("GlobalBA"), outer_(std::exchange(of_this_thread(), this)) {}
+  ~adjustment() { of_this_thread() = outer_; }
+  adjustment(const adjustment&) = delete;
+  adjustment& operator=(const adjustment&) = delete;
+
+  /// Runs @p f. On a thread with an adjustment nothing waits for it, and what is in the vectors @p pinned stays alive; @p f, and its
+  /// caller afterwards, must use nothing else of the map that was read before. On another thread: just runs @p f, so that
+  /// `Optimizer::BundleAdjustment` can be called by tracking, too. O(what is pinned).
+  template <class F, class... Objects>
+  static void optimize(F&& f, const std::vector<Objects*>&... pinned) {
+    adjustment* const me = of_this_thread();
+    if (me == nullptr) return std::forward<F>(f)();
+    const std::tuple<pin_set<Objects>...> pins(pinned...);
+    const mutator::offline_scope offline(me->thread_.mutator_);
+    std::forward<F>(f)();
+  }
+
+ private:
+  static adjustment*& of_this_thread() noexcept {
+    thread_local adjustment* innermost = nullptr;
+    return innermost;
+  }
+
+  thread thread_;
+  adjustment* const outer_;
+};
+
+/// Reclaims what ORB-SLAM3 marks: a member of `System`.
+///
+/// ```
+/// mSlamgc.add(*mpTracker, *this, *mpAtlas, *mpKeyFrameDatabase, *mpFrameDrawer);  // in System's constructor
+/// mSlamgc.start();
+/// const slamgc::orb_slam3::frame here(mSlamgc);                                   // first line of each TrackX
+/// mSlamgc.end(*mpTracker, *this, *mpLocalMapper, *mpLoopCloser, *mpAtlas, *mpKeyFrameDatabase, *mpFrameDrawer);  // ~System
+/// ```
+class session {
+ public:
+  /// What purges start from. @p tracker is what a frame's thread owns; @p parts are those that several threads change, under their
+  /// locks. Does not compile while a member of theirs, or of keyframes, points and maps, is a raw pointer. Throws std::bad_alloc.
+  template <class Tracking, class... Parts>
+  void add(Tracking& tracker, Parts&... parts) {
+    access::check<Tracking>();
+    (..., access::check<Parts>());
+    own(tracker);
+    (..., roots_.push_back(std::make_unique<rooted<Parts>>(default_domain(), parts)));
+  }
+  /// For a program that runs another part on tracking's thread.
+  template <class Part>
+  void own(Part& part) {
+    roots_.push_back(std::make_unique<rooted<Part>>(tracking_, part));
+  }
+  /// Begins to reclaim, on a thread of its own. Without it a program calls `slamgc::default_domain().collect()` itself.
+  /// Throws what starting a thread throws.
+  void start() { reclaimer_ = std::make_unique<background_reclaimer>(default_domain()); }
+  /// No longer reclaims; so what walks through the map without its locks, as SaveAtlas does, may do so. Once no other
+  /// thread uses the system: in Shutdown().
+  void stop() { reclaimer_.reset(); }
+  /// Reclaims all that was marked and that nobody uses any more. Between two frames, by whoever tracks. Returns waited::refused on a thread
+  /// with a `thread` or a `frame`.
+  waited drain() {
+    for (;;) {
+      const std::uint64_t before = reclaimed();
+      if (const waited w = default_domain().drain(); w != waited::done) return w;
+      { const mutator::online_scope here(tracking_); }  // drops what the tracker keeps
+      const waited w = default_domain().drain();
+      if (w != waited::done || reclaimed() == before) return w;
+    }
+  }
+  /// Ends: each part forgets what it refers to, maps are cleared, and what they held is reclaimed. No other thread uses the
+  /// system any more, and no frame is open. Returns waited::done if nothing is left to be reclaimed.
+  template <class... Parts>
+  waited end(Parts&... parts) {
+    stop();
+    roots_.clear();
+    {
+      const thread here("System");
+      (..., access::clear(parts));
+    }
+    return default_domain().drain();
+  }
+
+ private:
+  friend class frame;
+
+  static std::uint64_t reclaimed() {
+    return default_domain().stats().total(&type_stats::reclaimed);
+  }
+  template <class Part>
+  struct rooted final : detail::any_orb_slam_root {
+    template <class Of>
+    rooted(Of& of, Part& p) : part{p}, place(of, access::name<Part>(), part) {}
+    detail::orb_slam_part<Part> part;
+    root place;
+  };
+
+  mutator tracking_{"Tracking", {false, true, true}};
+  std::vector<std::unique_ptr<detail::any_orb_slam_root>> roots_;
+  std::unique_ptr<background_reclaimer> reclaimer_;
+};
+
+/// One call of `System::TrackX`: the calling thread may use the map while this exists. Whichever thread calls, but one at a time.
+/// Two compare-and-swaps.
+class frame {
+ public:
+  /// Goes online.
+  explicit frame(session& of) : online_(of.tracking_) {}
+
+ private:
+  mutator::online_scope online_;
+};
+
+}  // namespace orb_slam3
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc

@@ -1,0 +1,410 @@
+/// @file
+/// The counted members of ORB-SLAM3's and ORB-SLAM2's classes: under which lock they are, and what becomes of each when its target
+/// is retired. docs/orb-slam3.md has the reasons.
+#pragma once
+
+#include <mutex>
+#include <type_traits>
+#include <utility>
+
+#include "../dispositions.hpp"
+#include "../fwd.hpp"
+#include "described.hpp"
+#include "edge_member.hpp"
+
+namespace slamgc {
+inline namespace SLAMGC_FLAVOUR {
+namespace detail {
+
+/// Whether edges can be described of a member.
+template <class Member, class = void>
+struct is_counted : std::false_type {};
+template <class T, class Env>
+struct is_counted<rc_slot<T, Env>> : std::true_type {};
+template <class T, class Env>
+struct is_counted<atomic_rc<T, Env>> : std::true_type {};
+template <class Container>
+struct is_counted<Container,
+                  std::void_t<decltype(detail::reference_in(std::declval<const Container&>()))>>
+    : std::true_type {};
+
+/// A friend of ORB-SLAM's classes. A member that is not counted (yet) is not described.
+class orb_slam_members {
+ public:
+  template <class Visitor, class KeyFrame>
+  static void keyframe(Visitor& v, KeyFrame& kf) {
+    {
+      const lock features(kf.mMutexFeatures);
+      member(v, "mvpMapPoints", kf.mvpMapPoints, on_retire::null);
+    }
+    {
+      const lock connections(kf.mMutexConnections);
+      member(v, "mConnectedKeyFrameWeights", kf.mConnectedKeyFrameWeights, on_retire::erase);
+      member(v, "mvpOrderedConnectedKeyFrames", kf.mvpOrderedConnectedKeyFrames,
+             on_retire::erase_with(kf.mvOrderedWeights));
+      if (kf.mbBad)  // its pose is relative to this one
+        member(v, "mpParent", kf.mpParent);
+      else
+        member(v, "mpParent", kf.mpParent,
+               on_retire::bypass([&kf](KeyFrame& bad) { return parent_instead_of(bad, kf); }));
+      member(v, "mspChildrens", kf.mspChildrens, on_retire::erase);
+      member(v, "mspLoopEdges", kf.mspLoopEdges, on_retire::erase);
+      optional(
+          v, "mspMergeEdges", kf,
+          [](auto& k) -> decltype((k.mspMergeEdges)) { return k.mspMergeEdges; }, on_retire::erase);
+    }
+    optional(
+        v, "mPrevKF", kf, [](auto& k) -> decltype((k.mPrevKF)) { return k.mPrevKF; },
+        on_retire::bypass([](auto& bad) -> KeyFrame* { return bad.mPrevKF; }));
+    optional(
+        v, "mNextKF", kf, [](auto& k) -> decltype((k.mNextKF)) { return k.mNextKF; },
+        on_retire::bypass([](auto& bad) -> KeyFrame* { return bad.mNextKF; }));
+    in_map(v, kf);
+  }
+
+  template <class Visitor, class MapPoint>
+  static void map_point(Visitor& v, MapPoint& mp) {
+    {
+      const lock features(mp.mMutexFeatures);
+      member(v, "mObservations", mp.mObservations, on_retire::erase);  // before one of them
+      member(v, "mpRefKF", mp.mpRefKF, on_retire::bypass([&mp](auto& bad) {
+               auto* first = &bad;
+               first = mp.mObservations.empty() ? nullptr : mp.mObservations.begin()->first;
+               return first;
+             }));
+      member(v, "mpReplaced", mp.mpReplaced);  // tracking follows it in the next frame
+    }
+    in_map(v, mp);
+  }
+
+  template <class Visitor, class Map>
+  static void map(Visitor& v, Map& m) {
+    const lock all(m.mMutexMap);
+    member(v, "mspKeyFrames", m.mspKeyFrames, on_retire::erase);
+    member(v, "mspMapPoints", m.mspMapPoints, on_retire::erase);
+    member(v, "mvpKeyFrameOrigins", m.mvpKeyFrameOrigins, on_retire::erase);
+    member(v, "mvpReferenceMapPoints", m.mvpReferenceMapPoints, on_retire::erase);
+    optional(
+        v, "mpKFinitial", m, [](auto& i) -> decltype((i.mpKFinitial)) { return i.mpKFinitial; },
+        on_retire::null);
+    optional(
+        v, "mpKFlowerID", m, [](auto& i) -> decltype((i.mpKFlowerID)) { return i.mpKFlowerID; },
+        on_retire::null);
+  }
+
+  /// Of a part of the system that refers to keyframes or points. Which part it is is seen from what it has.
+  template <class Visitor, class Part>
+  static void part(Visitor& v, Part& p) {
+    constexpr kind is = kind_of<Part>();
+    if constexpr (is == kind::tracking) tracking(v, p);
+    if constexpr (is == kind::local_mapping) local_mapping(v, p);
+    if constexpr (is == kind::loop_closing) loop_closing(v, p);
+    if constexpr (is == kind::database) database(v, p);
+    if constexpr (is == kind::atlas) atlas(v, p);
+    if constexpr (is == kind::only_map) map(v, p);
+    if constexpr (is == kind::drawer) drawer(v, p);
+    if constexpr (is == kind::system) system(v, p);
+  }
+  /// Of a part, for reports.
+  template <class Part>
+  static const char* name() {
+    constexpr const char* names[] = {"Tracking", "LocalMapping", "LoopClosing", "KeyFrameDatabase",
+                                     "Atlas",    "Map",          "FrameDrawer", "System"};
+    return names[static_cast<int>(kind_of<Part>())];
+  }
+  /// Does not compile while a member of the part, or of an object to which that leads, is not counted.
+  template <class Part>
+  static void check() {
+    (void)&check_part<Part>;
+  }
+  /// The part forgets what it refers to, and its maps end.
+  template <class Part>
+  static void clear(Part& p) {
+    constexpr kind is = kind_of<Part>();
+    if constexpr (is == kind::atlas) {
+      p.clearAtlas();
+      p.RemoveBadMaps();
+    }
+    if constexpr (is == kind::only_map) p.clear();
+    if constexpr (is == kind::tracking) p.mlpReferences.clear();
+    if constexpr (is == kind::local_mapping) p.mlpRecentAddedMapPoints.clear();
+    severing_visitor drop;
+    part(drop, p);
+  }
+
+ private:
+  using lock = std::lock_guard<std::mutex>;
+
+  // ---- members
+
+  /// Wants all members of all objects to be counted.
+  struct completeness {
+    template <class Member, class Disposition = on_retire::hold_edge>
+    void edge(const char*, Member& m, const Disposition& = {}) {
+      edge_member<Member>::each(m, [](auto* p) {
+        using object = std::remove_const_t<std::remove_pointer_t<decltype(p)>>;
+        (void)&check_object<object>;
+      });
+    }
+  };
+  template <class Part>
+  static void check_part(completeness& v, Part& p) {
+    part(v, p);
+  }
+  template <class T>
+  static void check_object(completeness& v, T& object) {
+    object.edges(v);
+  }
+
+  template <class Visitor, class Member, class Disposition = on_retire::hold_edge>
+  static void member(Visitor& v, const char* name, Member& m, const Disposition& how = {}) {
+    if constexpr (is_counted<Member>::value)
+      v.edge(name, m, how);
+    else
+      static_assert(
+          !std::is_same<Visitor, completeness>::value,
+          "slamgc: a member of ORB-SLAM is not counted yet; the compiler says below which "
+          "one, docs/orb-slam3.md what its type becomes");
+    (void)v, (void)name, (void)m, (void)how;
+  }
+  /// A member that not each system has: @p in(of) does not compile in the others.
+  template <class Visitor, class Of, class In, class Disposition = on_retire::hold_edge>
+  static void optional(Visitor& v, const char* name, Of& of, const In& in,
+                       const Disposition& how = {}) {
+    if constexpr (std::is_invocable<In, Of&>::value) member(v, name, in(of), how);
+    (void)v, (void)name, (void)of, (void)in, (void)how;
+  }
+  /// In ORB-SLAM2 there is one map, which nobody counts.
+  template <class Visitor, class T>
+  static void in_map(Visitor& v, T& object) {
+    const auto mutex = [](auto& o) -> decltype((o.mMutexMap)) { return o.mMutexMap; };
+    if constexpr (std::is_invocable<decltype(mutex), T&>::value) {
+      const lock map(mutex(object));
+      member(v, "mpMap", object.mpMap);  // used without a test
+    }
+    (void)mutex, (void)v, (void)object;
+  }
+  /// The parent of the bad parent of @p child, which becomes one of its children, if nobody is at work on these: to wait for that
+  /// could be a deadlock, and ORB-SLAM knows keyframes that are nobody's children.
+  template <class KeyFrame>
+  static KeyFrame* parent_instead_of(KeyFrame& bad, KeyFrame& child) {
+    KeyFrame* const next = bad.mpParent;
+    if (next == nullptr || next == &child) return nullptr;
+    const std::unique_lock<std::mutex> theirs(next->mMutexConnections, std::try_to_lock);
+    if (theirs && !next->mbBad) next->mspChildrens.insert(&child);
+    return next;
+  }
+
+  // ---- parts
+
+  enum class kind {
+    tracking,
+    local_mapping,
+    loop_closing,
+    database,
+    atlas,
+    only_map,
+    drawer,
+    system
+  };
+  template <class Of, class In>
+  static constexpr bool has(const In&) {
+    return std::is_invocable<In, Of&>::value;
+  }
+  template <class P>
+  static constexpr kind kind_of() {
+    if constexpr (has<P>([](auto& p) -> decltype((p.mlpReferences)) { return p.mlpReferences; }))
+      return kind::tracking;
+    else if constexpr (has<P>([](auto& p) -> decltype((p.mlNewKeyFrames)) {
+                         return p.mlNewKeyFrames;
+                       }))
+      return kind::local_mapping;
+    else if constexpr (has<P>([](auto& p) -> decltype((p.mlpLoopKeyFrameQueue)) {
+                         return p.mlpLoopKeyFrameQueue;
+                       }))
+      return kind::loop_closing;
+    else if constexpr (has<P>([](auto& p) -> decltype((p.mvInvertedFile)) {
+                         return p.mvInvertedFile;
+                       }))
+      return kind::database;
+    else if constexpr (has<P>([](auto& p) -> decltype((p.mspMaps)) { return p.mspMaps; }))
+      return kind::atlas;
+    else if constexpr (has<P>([](auto& p) -> decltype((p.mspKeyFrames)) { return p.mspKeyFrames; }))
+      return kind::only_map;
+    else if constexpr (has<P>([](auto& p) -> decltype((p.mvpLocalMap)) { return p.mvpLocalMap; }))
+      return kind::drawer;
+    else {
+      static_assert(
+          has<P>([](auto& p) -> decltype((p.mTrackedMapPoints)) { return p.mTrackedMapPoints; }),
+          "slamgc: this is no part of ORB-SLAM that refers to keyframes or points, or "
+          "`friend slamgc::orb_slam3::access;` is missing in it");
+      return kind::system;
+    }
+  }
+
+  /// What a frame refers to is used in the next one, bad or not.
+  template <class Visitor, class Frame>
+  static void frame(Visitor& v, Frame& f, const char* points, const char* reference,
+                    const char* last) {
+    member(v, points, f.mvpMapPoints);
+    member(v, reference, f.mpReferenceKF);
+    optional(v, last, f, [](auto& g) -> decltype((g.mpLastKeyFrame)) { return g.mpLastKeyFrame; });
+  }
+  /// A frame that is kept for its features.
+  template <class Visitor, class Frame>
+  static void kept_frame(Visitor& v, Frame& f, const char* points, const char* reference,
+                         const char* last) {
+    member(v, points, f.mvpMapPoints, on_retire::null);
+    member(v, reference, f.mpReferenceKF, on_retire::null);
+    optional(
+        v, last, f, [](auto& g) -> decltype((g.mpLastKeyFrame)) { return g.mpLastKeyFrame; },
+        on_retire::null);
+  }
+
+  template <class Visitor, class Tracking>
+  static void tracking(Visitor& v, Tracking& t) {
+    frame(v, t.mCurrentFrame, "mCurrentFrame.mvpMapPoints", "mCurrentFrame.mpReferenceKF",
+          "mCurrentFrame.mpLastKeyFrame");
+    frame(v, t.mLastFrame, "mLastFrame.mvpMapPoints", "mLastFrame.mpReferenceKF",
+          "mLastFrame.mpLastKeyFrame");
+    kept_frame(v, t.mInitialFrame, "mInitialFrame.mvpMapPoints", "mInitialFrame.mpReferenceKF",
+               "mInitialFrame.mpLastKeyFrame");
+    member(v, "mpReferenceKF", t.mpReferenceKF);
+    member(v, "mpLastKeyFrame", t.mpLastKeyFrame);
+    member(v, "mvpLocalKeyFrames", t.mvpLocalKeyFrames, on_retire::erase);
+    member(v, "mvpLocalMapPoints", t.mvpLocalMapPoints, on_retire::erase);
+    member(v, "mlpTemporalPoints", t.mlpTemporalPoints);
+  }
+  template <class Visitor, class LocalMapping>
+  static void local_mapping(Visitor& v, LocalMapping& l) {
+    {
+      const lock queue(l.mMutexNewKFs);
+      member(v, "mlNewKeyFrames", l.mlNewKeyFrames);
+    }
+    member(v, "mpCurrentKeyFrame", l.mpCurrentKeyFrame, on_retire::null);
+    // Loop closing adds to it, too, and ORB-SLAM3 has no lock for it: MapPointCulling() erases what is bad.
+    const auto mutex = [](auto& o) -> decltype((o.mMutexRecent)) { return o.mMutexRecent; };
+    if constexpr (std::is_invocable<decltype(mutex), LocalMapping&>::value) {
+      const lock recent(mutex(l));
+      member(v, "mlpRecentAddedMapPoints", l.mlpRecentAddedMapPoints, on_retire::erase);
+    }
+    (void)mutex;
+  }
+  template <class Visitor, class LoopClosing>
+  static void loop_closing(Visitor& v, LoopClosing& l) {
+    {
+      const lock queue(l.mMutexLoopQueue);
+      member(v, "mlpLoopKeyFrameQueue", l.mlpLoopKeyFrameQueue, on_retire::erase);
+    }
+    member(v, "mpCurrentKF", l.mpCurrentKF, on_retire::null);
+    member(v, "mvpCurrentConnectedKFs", l.mvpCurrentConnectedKFs, on_retire::erase);
+    optional(
+        v, "mpLastCurrentKF", l,
+        [](auto& c) -> decltype((c.mpLastCurrentKF)) { return c.mpLastCurrentKF; },
+        on_retire::null);
+    optional(
+        v, "mpLoopLastCurrentKF", l,
+        [](auto& c) -> decltype((c.mpLoopLastCurrentKF)) { return c.mpLoopLastCurrentKF; },
+        on_retire::null);
+    optional(
+        v, "mpLoopMatchedKF", l,
+        [](auto& c) -> decltype((c.mpLoopMatchedKF)) { return c.mpLoopMatchedKF; },
+        on_retire::null);
+    optional(
+        v, "mpMergeLastCurrentKF", l,
+        [](auto& c) -> decltype((c.mpMergeLastCurrentKF)) { return c.mpMergeLastCurrentKF; },
+        on_retire::null);
+    optional(
+        v, "mpMergeMatchedKF", l,
+        [](auto& c) -> decltype((c.mpMergeMatchedKF)) { return c.mpMergeMatchedKF; },
+        on_retire::null);
+    optional(
+        v, "mvpLoopMPs", l, [](auto& c) -> decltype((c.mvpLoopMPs)) { return c.mvpLoopMPs; },
+        on_retire::erase);
+    optional(
+        v, "mvpLoopMatchedMPs", l,
+        [](auto& c) -> decltype((c.mvpLoopMatchedMPs)) { return c.mvpLoopMatchedMPs; },
+        on_retire::null);
+    optional(
+        v, "mvpLoopMapPoints", l,
+        [](auto& c) -> decltype((c.mvpLoopMapPoints)) { return c.mvpLoopMapPoints; },
+        on_retire::erase);
+    optional(
+        v, "mvpMergeMPs", l, [](auto& c) -> decltype((c.mvpMergeMPs)) { return c.mvpMergeMPs; },
+        on_retire::erase);
+    optional(
+        v, "mvpMergeMatchedMPs", l,
+        [](auto& c) -> decltype((c.mvpMergeMatchedMPs)) { return c.mvpMergeMatchedMPs; },
+        on_retire::null);
+    optional(
+        v, "mvpMergeConnectedKFs", l,
+        [](auto& c) -> decltype((c.mvpMergeConnectedKFs)) { return c.mvpMergeConnectedKFs; },
+        on_retire::erase);
+    // ORB-SLAM2
+    optional(
+        v, "mpMatchedKF", l, [](auto& c) -> decltype((c.mpMatchedKF)) { return c.mpMatchedKF; },
+        on_retire::null);
+    optional(
+        v, "mvpEnoughConsistentCandidates", l,
+        [](auto& c) -> decltype((c.mvpEnoughConsistentCandidates)) {
+          return c.mvpEnoughConsistentCandidates;
+        },
+        on_retire::erase);
+    optional(
+        v, "mvpCurrentMatchedPoints", l,
+        [](auto& c) -> decltype((c.mvpCurrentMatchedPoints)) { return c.mvpCurrentMatchedPoints; },
+        on_retire::null);
+    const auto groups = [](auto& c) -> decltype((c.mvConsistentGroups)) {
+      return c.mvConsistentGroups;
+    };
+    if constexpr (std::is_invocable<decltype(groups), LoopClosing&>::value)
+      for (auto& group : groups(l)) member(v, "mvConsistentGroups", group.first, on_retire::erase);
+    (void)groups;
+  }
+  template <class Visitor, class KeyFrameDatabase>
+  static void database(Visitor& v, KeyFrameDatabase& d) {
+    const lock all(d.mMutex);
+    for (auto& keyframes : d.mvInvertedFile)
+      member(v, "mvInvertedFile", keyframes, on_retire::erase);
+  }
+  template <class Visitor, class Atlas>
+  static void atlas(Visitor& v, Atlas& a) {
+    const lock all(a.mMutexAtlas);
+    member(v, "mspMaps", a.mspMaps, on_retire::erase);
+    member(v, "mspBadMaps", a.mspBadMaps, on_retire::erase);
+    member(v, "mpCurrentMap", a.mpCurrentMap);
+  }
+  template <class Visitor, class FrameDrawer>
+  static void drawer(Visitor& v, FrameDrawer& d) {
+    const lock all(d.mMutex);
+    kept_frame(v, d.mCurrentFrame, "mCurrentFrame.mvpMapPoints", "mCurrentFrame.mpReferenceKF",
+               "mCurrentFrame.mpLastKeyFrame");
+    member(v, "mvpLocalMap", d.mvpLocalMap, on_retire::erase);
+    optional(
+        v, "mvpMatchedMPs", d,
+        [](auto& f) -> decltype((f.mvpMatchedMPs)) { return f.mvpMatchedMPs; }, on_retire::erase);
+    optional(
+        v, "mvpOutlierMPs", d,
+        [](auto& f) -> decltype((f.mvpOutlierMPs)) { return f.mvpOutlierMPs; }, on_retire::erase);
+  }
+  template <class Visitor, class System>
+  static void system(Visitor& v, System& s) {
+    const lock all(s.mMutexState);
+    member(v, "mTrackedMapPoints", s.mTrackedMapPoints, on_retire::null);
+  }
+};
+
+/// A part of the system as something that a root can describe.
+template <class Part>
+struct orb_slam_part {
+  Part& part;
+
+  template <class Visitor>
+  void edges(Visitor& v) {
+    orb_slam_members::part(v, part);
+  }
+};
+
+}  // namespace detail
+}  // namespace SLAMGC_FLAVOUR
+}  // namespace slamgc
