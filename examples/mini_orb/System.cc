@@ -147,6 +147,33 @@ System::Summary System::GetSummary() {
   return all;
 }
 
+void System::PrintMaps(std::ostream& out) {
+  out << std::setprecision(17);
+  for (Map* pMap : mpAtlas->GetAllMaps()) {
+    out << "map " << pMap->mnId << '\n';
+    for (KeyFrame* pKF : pMap->GetAllKeyFrames()) {
+      const Pose Tcw = pKF->GetPose();
+      KeyFrame* const pParent = pKF->GetParent();
+      out << "keyframe " << pKF->mnId << ' ' << Tcw.yaw << ' ' << Tcw.t.x << ' ' << Tcw.t.y
+          << " parent " << (pParent != nullptr ? static_cast<long>(pParent->mnId) : -1) << " sees";
+      for (KeyFrame* pCovisible : pKF->GetVectorCovisibleKeyFrames())
+        if (!pCovisible->isBad())
+          out << ' ' << pCovisible->mnId << ':' << pKF->GetWeight(pCovisible);
+      out << " points";
+      for (MapPoint* pMP : pKF->GetMapPointMatches())
+        if (pMP != nullptr && !pMP->isBad()) out << ' ' << pMP->mnId;
+      out << '\n';
+    }
+    for (MapPoint* pMP : pMap->GetAllMapPoints()) {
+      const Vec3 Pos = pMP->GetWorldPos();
+      out << "point " << pMP->mnId << ' ' << Pos.x << ' ' << Pos.y << ' ' << Pos.z << " seen by";
+      for (const auto& [pKF, indexes] : pMP->GetObservations())
+        if (!pKF->isBad()) out << ' ' << pKF->mnId;
+      out << '\n';
+    }
+  }
+}
+
 void System::SaveAtlas(std::ostream& out) {
   out << std::setprecision(17);
   const std::vector<Map*> vpMaps = mpAtlas->GetAllMaps();

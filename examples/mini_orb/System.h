@@ -52,6 +52,8 @@ class System {
     int culled = 0, loops = 0, merges = 0, globalBAs = 0, abortedGBAs = 0, state = 0;
   };
   Summary GetSummary();
+  // The content of all maps: what refers to a bad keyframe or point, as good as gone, is left out.
+  void PrintMaps(std::ostream& out);
 
   Atlas* mpAtlas;
   Tracking* mpTracker;

@@ -10,7 +10,7 @@ packages_of() {
     build) echo cmake=cmake ninja-build=ninja ;;
     demo) echo g++=c++ ;;
     pictures) echo graphviz=dot ;;
-    gtest) echo python3=python3 libgtest-dev=/usr/include/gtest/gtest.h '?graphviz=dot' ;;
+    gtest) echo python3=python3 patch=patch libgtest-dev=/usr/include/gtest/gtest.h '?graphviz=dot' ;;
     docs) echo python3=python3 doxygen=doxygen '?clang-format-14' '?clang-tidy-14' '?shellcheck' ;;
     gcc-release)
       packages_of gtest
