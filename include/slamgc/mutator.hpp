@@ -2,8 +2,6 @@
 /// Threads that hold borrowed pointers.
 #pragma once
 
-#include <optional>
-
 #include "assert.hpp"
 #include "detail/domain_state.hpp"
 #include "domain.hpp"
@@ -40,11 +38,11 @@ class basic_mutator {
       : record_(detail::domain_access::state_of(to).enter(name != nullptr ? name : "")),
         me_{nullptr,          &detail::domain_access::state_of(to), &record_, record_.door, false,
             how.never_reclaim},
-        roaming_(how.roaming) {
+        roaming_(how.roaming),
+        taking_part_(me_, !how.roaming) {
     SLAMGC_ASSERT(!(how.roaming && how.online),
                   (misuse{"makes a roaming mutator that is online", "mutator", this, 0}));
     me_.domain->retain();
-    if (!roaming_) taking_part_.emplace(me_);
     if (how.online && !roaming_) go_online();
   }
   /// Registers with default_domain().
@@ -121,7 +119,7 @@ class basic_mutator {
   friend struct detail::mutator_access;
 
   void go_online() noexcept {
-    if (roaming_) taking_part_.emplace(me_);
+    if (roaming_) taking_part_.begin();
     me_.domain->go_online(record_);
     me_.online = true;
     gave_up_borrowed();
@@ -132,7 +130,7 @@ class basic_mutator {
     me_.online = false;
     me_.publish();
     me_.domain->go_offline(record_);
-    if (roaming_) taking_part_.reset();
+    if (roaming_) taking_part_.end();
   }
   /// Only the checks of borrow.hpp want to know.
   void gave_up_borrowed() noexcept {
@@ -144,7 +142,7 @@ class basic_mutator {
   runtime::mutator_record<Env>& record_;
   runtime::participant<Env> me_;
   const bool roaming_;
-  std::optional<runtime::participation<Env>> taking_part_;
+  runtime::participation<Env> taking_part_;
 };
 
 namespace detail {

@@ -95,30 +95,39 @@ void participant<Env>::pass_quiescent_state() noexcept {
   passed = ++participants<Env>::of_this_thread().quiescent_states;
 }
 
-/// Makes @p part one of the calling thread's, its innermost at first, as long as this exists. They may end in
+/// Makes @p part one of the calling thread's, its innermost at first, from begin() to end(). They may end in
 /// any order: a `thread_local` mutator outlives automatic ones that were made before it.
 template <class Env>
 class participation {
  public:
-  explicit participation(participant<Env>& part) noexcept : part_(part) {
+  explicit participation(participant<Env>& part, bool at_once = true) noexcept : part_(part) {
+    if (at_once) begin();
+  }
+  ~participation() { end(); }
+  participation(const participation&) = delete;
+  participation& operator=(const participation&) = delete;
+
+  void begin() noexcept {
     auto& all = participants<Env>::of_this_thread();
     part_.outer = all.innermost;
     part_.number = ++all.last;
     all.innermost = &part_;
     all.current = part_.number;
+    has_begun_ = true;
   }
-  ~participation() {
+  void end() noexcept {
+    if (!has_begun_) return;
+    has_begun_ = false;
     auto& all = participants<Env>::of_this_thread();
     participant<Env>** at = &all.innermost;
     while (*at != nullptr && *at != &part_) at = &(*at)->outer;
     if (*at != nullptr) *at = part_.outer;
     all.current = all.innermost != nullptr ? all.innermost->number : 0;
   }
-  participation(const participation&) = delete;
-  participation& operator=(const participation&) = delete;
 
  private:
   participant<Env>& part_;
+  bool has_begun_ = false;
 };
 
 }  // namespace SLAMGC_SHARED
