@@ -84,9 +84,9 @@ class orb_slam_members {
     member(v, "mspMapPoints", m.mspMapPoints, on_retire::erase);
     member(v, "mvpKeyFrameOrigins", m.mvpKeyFrameOrigins, on_retire::erase);
     member(v, "mvpReferenceMapPoints", m.mvpReferenceMapPoints, on_retire::erase);
-    optional(
-        v, "mpKFinitial", m, [](auto& i) -> decltype((i.mpKFinitial)) { return i.mpKFinitial; },
-        on_retire::null);
+    // Used without a test by an adjustment that goes on after a reset; the next keyframe takes its place.
+    optional(v, "mpKFinitial", m,
+             [](auto& i) -> decltype((i.mpKFinitial)) { return i.mpKFinitial; });
     optional(
         v, "mpKFlowerID", m, [](auto& i) -> decltype((i.mpKFlowerID)) { return i.mpKFlowerID; },
         on_retire::null);
@@ -381,16 +381,14 @@ class orb_slam_members {
                "mCurrentFrame.mpLastKeyFrame");
     member(v, "mvpLocalMap", d.mvpLocalMap, on_retire::erase);
     optional(
-        v, "mvpMatchedMPs", d,
-        [](auto& f) -> decltype((f.mvpMatchedMPs)) { return f.mvpMatchedMPs; }, on_retire::erase);
-    optional(
         v, "mvpOutlierMPs", d,
         [](auto& f) -> decltype((f.mvpOutlierMPs)) { return f.mvpOutlierMPs; }, on_retire::erase);
   }
   template <class Visitor, class System>
   static void system(Visitor& v, System& s) {
     const lock all(s.mMutexState);
-    member(v, "mTrackedMapPoints", s.mTrackedMapPoints, on_retire::null);
+    member(v, "mTrackedMapPoints",
+           s.mTrackedMapPoints);  // the user has copies until the next frame
   }
 };
 
