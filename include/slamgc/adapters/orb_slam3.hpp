@@ -277,10 +277,10 @@ template <class Map, class F, class... Args>
 /// Reclaims what ORB-SLAM3 marks: a member of `System`.
 ///
 /// ```
-/// mSlamgc.add(*mpTracker, *this, *mpAtlas, *mpKeyFrameDatabase, *mpFrameDrawer);  // in System's constructor
+/// mSlamgc.add(*mpTracker, *this, *mpAtlas, *mpFrameDrawer);  // in System's constructor
 /// mSlamgc.start();
 /// const slamgc::orb_slam3::frame here(mSlamgc);                                   // first line of each TrackX
-/// mSlamgc.end(*mpTracker, *this, *mpLocalMapper, *mpLoopCloser, *mpAtlas, *mpKeyFrameDatabase, *mpFrameDrawer);  // ~System
+/// mSlamgc.end(*mpTracker, *this, *mpLocalMapper, *mpLoopCloser, *mpAtlas, *mpFrameDrawer);  // ~System
 /// ```
 class session {
  public:

@@ -99,7 +99,6 @@ class orb_slam_members {
     if constexpr (is == kind::tracking) tracking(v, p);
     if constexpr (is == kind::local_mapping) local_mapping(v, p);
     if constexpr (is == kind::loop_closing) loop_closing(v, p);
-    if constexpr (is == kind::database) database(v, p);
     if constexpr (is == kind::atlas) atlas(v, p);
     if constexpr (is == kind::only_map) map(v, p);
     if constexpr (is == kind::drawer) drawer(v, p);
@@ -108,8 +107,8 @@ class orb_slam_members {
   /// Of a part, for reports.
   template <class Part>
   static const char* name() {
-    constexpr const char* names[] = {"Tracking", "LocalMapping", "LoopClosing", "KeyFrameDatabase",
-                                     "Atlas",    "Map",          "FrameDrawer", "System"};
+    constexpr const char* names[] = {"Tracking", "LocalMapping", "LoopClosing", "Atlas",
+                                     "Map",      "FrameDrawer",  "System"};
     return names[static_cast<int>(kind_of<Part>())];
   }
   /// Does not compile while a member of the part, or of an object to which that leads, is not counted.
@@ -197,16 +196,7 @@ class orb_slam_members {
 
   // ---- parts
 
-  enum class kind {
-    tracking,
-    local_mapping,
-    loop_closing,
-    database,
-    atlas,
-    only_map,
-    drawer,
-    system
-  };
+  enum class kind { tracking, local_mapping, loop_closing, atlas, only_map, drawer, system };
   template <class Of, class In>
   static constexpr bool has(const In&) {
     return std::is_invocable<In, Of&>::value;
@@ -223,10 +213,6 @@ class orb_slam_members {
                          return p.mlpLoopKeyFrameQueue;
                        }))
       return kind::loop_closing;
-    else if constexpr (has<P>([](auto& p) -> decltype((p.mvInvertedFile)) {
-                         return p.mvInvertedFile;
-                       }))
-      return kind::database;
     else if constexpr (has<P>([](auto& p) -> decltype((p.mspMaps)) { return p.mspMaps; }))
       return kind::atlas;
     else if constexpr (has<P>([](auto& p) -> decltype((p.mspKeyFrames)) { return p.mspKeyFrames; }))
@@ -361,12 +347,6 @@ class orb_slam_members {
       for (auto& group : groups(l)) member(v, "mvConsistentGroups", group.first, on_retire::erase);
     (void)groups;
   }
-  template <class Visitor, class KeyFrameDatabase>
-  static void database(Visitor& v, KeyFrameDatabase& d) {
-    const lock all(d.mMutex);
-    for (auto& keyframes : d.mvInvertedFile)
-      member(v, "mvInvertedFile", keyframes, on_retire::erase);
-  }
   template <class Visitor, class Atlas>
   static void atlas(Visitor& v, Atlas& a) {
     const lock all(a.mMutexAtlas);
@@ -379,10 +359,9 @@ class orb_slam_members {
     const lock all(d.mMutex);
     kept_frame(v, d.mCurrentFrame, "mCurrentFrame.mvpMapPoints", "mCurrentFrame.mpReferenceKF",
                "mCurrentFrame.mpLastKeyFrame");
-    member(v, "mvpLocalMap", d.mvpLocalMap, on_retire::erase);
-    optional(
-        v, "mvpOutlierMPs", d,
-        [](auto& f) -> decltype((f.mvpOutlierMPs)) { return f.mvpOutlierMPs; }, on_retire::erase);
+    // Its vectors are never read through: they may stay raw.
+    if constexpr (is_counted<decltype(d.mvpLocalMap)>::value)
+      member(v, "mvpLocalMap", d.mvpLocalMap, on_retire::erase);
   }
   template <class Visitor, class System>
   static void system(Visitor& v, System& s) {
