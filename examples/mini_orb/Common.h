@@ -2,8 +2,10 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 namespace mini_orb {
 
@@ -88,6 +90,22 @@ class Instances {
   static inline std::atomic<long> made_{0};
   static inline std::atomic<long> ended_where_forbidden_{0};
   static inline thread_local bool forbidden_here_ = false;
+};
+
+// Adds the microseconds of its life to a list.
+class Stopwatch {
+ public:
+  explicit Stopwatch(std::vector<double>& to) : to_(to) {}
+  ~Stopwatch() {
+    to_.push_back(std::chrono::duration<double, std::micro>(Clock::now() - begin_).count());
+  }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::vector<double>& to_;
+  const Clock::time_point begin_ = Clock::now();
 };
 
 // Orders the sets and maps: an order by address would make each run different.

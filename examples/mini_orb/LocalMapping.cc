@@ -31,6 +31,7 @@ void LocalMapping::Run() {
 bool LocalMapping::RunOnce() {
   mbAcceptKeyFrames = false;
   if (CheckNewKeyFrames()) {
+    const Stopwatch time(vdLMTotal_us);
     ProcessNewKeyFrame();
     MapPointCulling();
     CreateNewMapPoints();

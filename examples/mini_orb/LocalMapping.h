@@ -2,6 +2,7 @@
 
 #include <list>
 #include <mutex>
+#include <vector>
 
 #include "Common.h"
 #include "KeyFrame.h"
@@ -45,6 +46,7 @@ class LocalMapping {
   Tracking* mpTracker = nullptr;
   LoopClosing* mpLoopCloser = nullptr;
   Racy<int> mnCulled = 0;
+  std::vector<double> vdLMTotal_us;  // for each keyframe; of this thread
 
  private:
   bool CheckNewKeyFrames();

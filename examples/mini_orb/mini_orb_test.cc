@@ -2,7 +2,9 @@
 // shows the leak, the one with slamgc that there is none.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sstream>
+#include <vector>
 
 #include "Atlas.h"
 #include "KeyFrame.h"
@@ -58,6 +60,23 @@ TEST_F(MiniOrb, B1CulledKeyFramesStay) {
   if (kReclaims) ExpectNothingAtTheEnd();
 }
 
+// Two users ask that a keyframe stays; when the first one has finished, it goes bad. (What needs it has to count it.)
+TEST_F(MiniOrb, B2OneFlagDoesNotPinForTwo) {
+  session.Drive(World::kLap);
+  ASSERT_TRUE(session.system->Drain());
+  const long others = KeyFrames() - 1;
+  const std::vector<KeyFrame*> all = session.system->mpAtlas->GetCurrentMap()->GetAllKeyFrames();
+  KeyFrame* const pKF = all[all.size() / 2];
+  pKF->SetNotErase();
+  pKF->SetNotErase();
+  pKF->SetBadFlag();
+  EXPECT_FALSE(pKF->isBad());
+  pKF->SetErase();
+  EXPECT_TRUE(pKF->isBad());
+  ASSERT_TRUE(session.system->Drain());
+  EXPECT_EQ(KeyFrames(), others + (kReclaims ? 0 : 1));
+}
+
 TEST_F(MiniOrb, B3AndB4BadAndReplacedPointsStay) {
   session.Drive(2 * World::kLap);
   ASSERT_GE(session.system->GetSummary().loops, 1);
@@ -66,6 +85,25 @@ TEST_F(MiniOrb, B3AndB4BadAndReplacedPointsStay) {
     EXPECT_GT(Points(), 3 * Held(&System::Summary::points) / 2);
   }
   if (kReclaims) ExpectNothingButTheMap();
+}
+
+TEST_F(MiniOrb, B5AndB6ABadPointStaysInTheListOfReferencePoints) {
+  session.Drive(World::kLap);
+  ASSERT_TRUE(session.system->Drain());
+  Map* const pMap = session.system->mpAtlas->GetCurrentMap();
+  const std::size_t before = pMap->GetReferenceMapPoints().size();
+  MapPoint* pBad = nullptr;  // of the local map, and of no frame
+  const auto pNow = session.system->mpTracker->mCurrentFrame.mvpMapPoints;
+  const auto pLast = session.system->mpTracker->mLastFrame.mvpMapPoints;
+  for (MapPoint* pMP : pMap->GetReferenceMapPoints())
+    if (!pMP->isBad() && std::count(pNow.begin(), pNow.end(), pMP) == 0 &&
+        std::count(pLast.begin(), pLast.end(), pMP) == 0)
+      pBad = pMP;
+  ASSERT_NE(pBad, nullptr);
+  for (const auto& [pKF, indexes] : pBad->GetObservations()) pBad->EraseObservation(pKF);
+  EXPECT_TRUE(pBad->isBad());
+  ASSERT_TRUE(session.system->Drain());
+  EXPECT_EQ(pMap->GetReferenceMapPoints().size(), before - (kReclaims ? 1 : 0));
 }
 
 TEST_F(MiniOrb, B7AndB10AClearedMapStays) {
