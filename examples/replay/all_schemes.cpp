@@ -1,0 +1,38 @@
+#include "result.hpp"
+
+namespace replay {
+
+run_result run_leak(const run_request&);
+run_result run_direct_delete(const run_request&);
+run_result run_shared_ptr(const run_request&);
+run_result run_shared_ptr_weak(const run_request&);
+run_result run_mutex_subset(const run_request&);
+run_result run_cas_subset(const run_request&);
+run_result run_mutex_all(const run_request&);
+run_result run_cas_all(const run_request&);
+run_result run_fetch_add_all(const run_request&);
+run_result run_deferred(const run_request&);
+
+const std::vector<scheme_entry>& all_schemes() {
+  static const std::vector<scheme_entry> all = {
+      {"leak", "plain pointers, nothing is freed: ORB-SLAM3 today", run_leak},
+      {"direct_delete",
+       "plain pointers, delete as soon as something is marked (thesis, 1st attempt)",
+       run_direct_delete},
+      {"shared_ptr", "std::shared_ptr for every reference and local (2nd attempt)", run_shared_ptr},
+      {"shared_ptr_weak", "the same, std::weak_ptr from points to keyframes", run_shared_ptr_weak},
+      {"mutex_subset", "counter with a mutex, three members counted, retire set (3rd attempt)",
+       run_mutex_subset},
+      {"cas_subset", "compare and swap, three members counted, retire set (4th attempt)",
+       run_cas_subset},
+      {"mutex_all", "as mutex_subset, every member counted", run_mutex_all},
+      {"cas_all", "as cas_subset, every member counted", run_cas_all},
+      {"fetch_add_all", "fetch_add, every member counted, retire set", run_fetch_add_all},
+      {"deferred",
+       "slamgc: every member counted, plain locals, quiescent states, purges, trial deletion",
+       run_deferred},
+  };
+  return all;
+}
+
+}  // namespace replay
