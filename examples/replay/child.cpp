@@ -44,8 +44,16 @@ struct blackboard {
 };
 blackboard* shared = nullptr;
 
+void note_counts() {
+  for (int k = 0; k != 2; ++k) {
+    shared->marked[k] = ledger::now().marked[k].load(std::memory_order_relaxed);
+    shared->freed[k] = ledger::now().freed[k].load(std::memory_order_relaxed);
+  }
+}
+
 // The first one tells; also called from signal handlers.
 [[noreturn]] void tell(const char* what) {
+  note_counts();
   if (!shared->has_fault.exchange(true))
     std::snprintf(shared->fault, sizeof shared->fault, "%s: by %s, in its iteration %ld", what,
                   name_of(current_role()), current_iteration());
@@ -65,10 +73,7 @@ void on_signal(int signal) {
   request.progress = [](long frames) {
     shared->frames = frames;
     shared->live = live_bytes();
-    for (int k = 0; k != 2; ++k) {
-      shared->marked[k] = ledger::now().marked[k].load(std::memory_order_relaxed);
-      shared->freed[k] = ledger::now().freed[k].load(std::memory_order_relaxed);
-    }
+    note_counts();
   };
   int status = 0;
   try {

@@ -47,16 +47,16 @@ struct keyframe_footprint {
   std::map<unsigned, double> mBowVec;
   std::map<unsigned, std::vector<unsigned>> mFeatVec;
   std::vector<std::vector<std::vector<std::size_t>>> mGrid;
-  std::array<unsigned char, 4096> poses_calibration_and_preintegration{};
+  std::array<unsigned char, 3952> poses_calibration_and_preintegration{};
 };
 
 struct point_footprint {
-  point_footprint()
-      : mDescriptor(new std::array<unsigned char, 96>{}) {}  // cv::Mat: data and header
+  using block = std::array<unsigned char, 112>;
+  point_footprint() : mDescriptor(new block{}), mDescriptorHeader(new block{}) {}  // cv::Mat
   std::array<float, 3> mWorldPos{}, mNormalVector{};
   descriptor best{};
-  std::unique_ptr<std::array<unsigned char, 96>> mDescriptor;
-  std::array<unsigned char, 400> counters_and_tracking_variables{};
+  std::unique_ptr<block> mDescriptor, mDescriptorHeader;
+  std::array<unsigned char, 416> counters_and_tracking_variables{};
 };
 
 }  // namespace replay

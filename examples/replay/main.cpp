@@ -109,7 +109,7 @@ int main(int argc, char** argv) {
         file.empty() ? replay::read_trace("fr1_rpy (in the program)", replay::default_session())
                      : replay::read_trace(file));
     replay::map_state final_state;
-    if (!final_file.empty()) final_state = replay::read_final_state(final_file);
+    if (!final_file.empty()) final_state = replay::read_final_state(final_file, session);
     const auto steps =
         options.threads ? replay::schedule(session) : std::vector<std::vector<replay::step>>{};
 

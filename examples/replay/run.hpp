@@ -96,12 +96,12 @@ run_result run(const run_request& request) {
       me.begin();
       if (lap == 0) {
         const map_state state = state_of(*w);
-        r.map_digest = digest_of(live_part(state));
+        r.map_digest = digest_of(live_part(state, s));
         r.compared = request.final_state != nullptr;
         if (r.compared)
-          r.differences = S::keeps_all
-                              ? differences(state, *request.final_state)
-                              : differences(live_part(state), live_part(*request.final_state));
+          r.differences =
+              S::keeps_all ? differences(state, *request.final_state)
+                           : differences(live_part(state, s), live_part(*request.final_state, s));
       }
       w->reset();
       me.end();

@@ -334,6 +334,7 @@ session make_session(const trace& from) {
   lifetimes(s).add();
 
   s.is_marked.resize(at(s.keyframes));
+  s.is_marked_point.resize(at(s.points));
   s.octaves.resize(at(s.keyframes));
   std::int64_t first = -1;
   for (step& x : s.steps) {
@@ -346,6 +347,7 @@ session make_session(const trace& from) {
     s.marked_points += x.kind == step_kind::mark_point;
     s.marked_keyframes += x.kind == step_kind::mark_keyframe;
     if (x.kind == step_kind::mark_keyframe) s.is_marked[at(x.a)] = 1;
+    if (x.kind == step_kind::mark_point) s.is_marked_point[at(x.a)] = 1;
     if (x.kind == step_kind::make_keyframe) s.octaves[at(x.a)].resize(at(x.c));
     if (x.kind == step_kind::observe) s.octaves[at(x.a)][at(x.c)] = static_cast<std::uint8_t>(x.d);
   }

@@ -62,10 +62,10 @@ struct session {
   std::vector<int> lists;
   int keyframes = 0, points = 0, frames = 0;
   int marked_keyframes = 0, marked_points = 0, inserted_keyframes = 0, inserted_points = 0;
-  std::int64_t duration = 0;                       // microseconds
-  std::vector<std::array<float, 7>> poses;         // by keyframe
-  std::vector<char> has_pose, is_marked;           // by keyframe
-  std::vector<std::vector<std::uint8_t>> octaves;  // by keyframe and feature
+  std::int64_t duration = 0;                               // microseconds
+  std::vector<std::array<float, 7>> poses;                 // by keyframe
+  std::vector<char> has_pose, is_marked, is_marked_point;  // by keyframe; the last by point
+  std::vector<std::vector<std::uint8_t>> octaves;          // by keyframe and feature
 };
 
 // What happens, and who holds what until when.

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <initializer_list>
 #include <iterator>
-#include <set>
 
 #include "line_source.hpp"
 #include "trace.hpp"
@@ -14,7 +14,7 @@ void map_state::sort() {
   for (auto& k : kinds) std::sort(k.second.begin(), k.second.end());
 }
 
-map_state read_final_state(const std::string& path) {
+map_state read_final_state(const std::string& path, const session& of) {
   line_source lines = line_source::of_file(path);
   map_state s;
   int frame = 0;
@@ -33,38 +33,67 @@ map_state read_final_state(const std::string& path) {
     }
     const auto need = [&](std::size_t n) {
       if (v.size() < n) throw bad_trace(lines.name(), lines.number(), "fields are missing");
+      if (v[0] < 0) throw bad_trace(lines.name(), lines.number(), "the id is negative");
+    };
+    // Which fields are keyframes and points, so that none is out of range.
+    const auto check = [&](std::initializer_list<std::size_t> keyframes,
+                           std::initializer_list<std::size_t> points) {
+      for (const std::size_t i : keyframes)
+        if (v[i] < -1 || v[i] >= of.keyframes)
+          throw bad_trace(lines.name(), lines.number(), "a keyframe that the session has not");
+      for (const std::size_t i : points)
+        if (v[i] < -1 || v[i] >= of.points)
+          throw bad_trace(lines.name(), lines.number(), "a point that the session has not");
     };
     switch (line[0]) {
       case 'k':
         need(5);
+        check({0, 2, 3, 4}, {});
         s.add('k', v[0], v[1]);
         if (v[2] >= 0) s.add('T', v[0], v[2]);
         if (v[3] >= 0 || v[4] >= 0) s.add('N', v[0], v[3], v[4]);
         break;
       case 'p':
         need(3);
+        check({}, {0, 2});
         s.add('p', v[0], v[1]);
         if (v[2] >= 0) s.add('R', v[0], v[2]);
         break;
       case 'C':
+        need(3);
+        check({0, 1}, {});
+        s.add('C', v[0], v[1], v[2]);
+        break;
       case 's':
+        need(3);
+        check({0}, {2});
+        s.add('s', v[0], v[1], v[2]);
+        break;
       case 'O':
         need(3);
-        s.add(line[0], v[0], v[1], v[2]);
+        check({0}, {1});
+        s.add('O', v[0], v[1], v[2]);
         break;
       case 'H':
       case 'G':
         need(2);
+        check({0, 1}, {});
         s.add(line[0], v[0], v[1]);
         break;
       case 'Q':
       case 'K':
+        need(1);
+        check({0}, {});
+        s.add(line[0], v[0]);
+        break;
       case 'P':
         need(1);
-        s.add(line[0], v[0]);
+        check({}, {0});
+        s.add('P', v[0]);
         break;
       case 'r':
         need(1);
+        check({0}, {});
         s.add('r', frame++, v[0]);
         break;
       default:
@@ -75,26 +104,20 @@ map_state read_final_state(const std::string& path) {
   return s;
 }
 
-map_state live_part(const map_state& all) {
-  const auto entries = [&](char letter) {
-    const auto found = all.kinds.find(letter);
-    return found == all.kinds.end() ? std::vector<map_state::entry>{} : found->second;
+map_state live_part(const map_state& all, const session& of) {
+  const auto dead_kf = [&](int id) { return of.is_marked[static_cast<std::size_t>(id)] != 0; };
+  const auto dead_mp = [&](int id) {
+    return of.is_marked_point[static_cast<std::size_t>(id)] != 0;
   };
-  std::set<int> dead_keyframes, dead_points;
-  for (const auto& e : entries('k'))
-    if (e[1]) dead_keyframes.insert(e[0]);
-  for (const auto& e : entries('p'))
-    if (e[1]) dead_points.insert(e[0]);
   std::map<int, map_state::entry> links;
-  for (const auto& e : entries('N')) links[e[0]] = e;
+  if (all.kinds.count('N') != 0)
+    for (const auto& e : all.kinds.at('N')) links[e[0]] = e;
   const auto follow = [&](int kf, std::size_t which) {
-    while (kf >= 0 && dead_keyframes.count(kf)) kf = links.count(kf) ? links[kf][which] : -1;
+    while (kf >= 0 && dead_kf(kf)) kf = links.count(kf) != 0 ? links[kf][which] : -1;
     return kf;
   };
 
   map_state live;
-  const auto dead_kf = [&](int id) { return dead_keyframes.count(id) != 0; };
-  const auto dead_mp = [&](int id) { return dead_points.count(id) != 0; };
   for (const auto& of_kind : all.kinds)
     for (const auto& e : of_kind.second) {
       bool dead = false;
@@ -109,6 +132,7 @@ map_state live_part(const map_state& all) {
           dead = dead_mp(e[0]);
           break;
         case 'R':
+        case 'N':
           dead = true;
           break;  // only what is marked was replaced
         case 'C':
@@ -123,16 +147,17 @@ map_state live_part(const map_state& all) {
         case 'O':
           dead = dead_kf(e[0]) || dead_mp(e[1]);
           break;
-        case 'N': {
-          if (dead_kf(e[0])) break;
-          const int previous = follow(e[1], 1), next = follow(e[2], 2);
-          if (previous >= 0 || next >= 0) live.add('N', e[0], previous, next);
-          break;
-        }
         default:
           break;
       }
-      if (!dead && of_kind.first != 'N') live.kinds[of_kind.first].push_back(e);
+      if (!dead) live.kinds[of_kind.first].push_back(e);
+    }
+  // A recorded final state has the links as they were.
+  if (all.kinds.count('n') == 0 && all.kinds.count('k') != 0)
+    for (const auto& e : all.kinds.at('k')) {
+      if (dead_kf(e[0])) continue;
+      const auto link = links.count(e[0]) != 0 ? links[e[0]] : map_state::entry{e[0], -1, -1};
+      live.add('n', e[0], follow(link[1], 1), follow(link[2], 2));
     }
   live.sort();
   return live;
@@ -144,6 +169,7 @@ std::vector<std::string> differences(const map_state& a, const map_state& b) {
                                                     {'R', "replaced points"},
                                                     {'T', "parents"},
                                                     {'N', "links in time"},
+                                                    {'n', "links in time between live keyframes"},
                                                     {'C', "covisibility"},
                                                     {'s', "slots"},
                                                     {'O', "observations"},
@@ -155,6 +181,8 @@ std::vector<std::string> differences(const map_state& a, const map_state& b) {
                                                     {'r', "references of frames"}};
   std::vector<std::string> all;
   for (const auto& name : names) {
+    if (name.first == 'n' && (a.kinds.count('n') == 0 || b.kinds.count('n') == 0))
+      continue;  // derived
     const auto of = [&](const map_state& s) {
       const auto found = s.kinds.find(name.first);
       return found == s.kinds.end() ? std::vector<map_state::entry>{} : found->second;

@@ -20,11 +20,11 @@ struct map_state {
   void sort();
 };
 
-// Throws bad_trace.
-map_state read_final_state(const std::string& path);
+// Throws bad_trace, also if it has ids that the session has not.
+map_state read_final_state(const std::string& path, const session& of);
 
-// What of it does not concern marked objects. Links in time step over them, as a scheme that frees them has to.
-map_state live_part(const map_state& all);
+// What of it does not concern objects that the session marks. Links in time step over them (letter n).
+map_state live_part(const map_state& all, const session& of);
 
 // One line for each kind that differs; empty: equal.
 std::vector<std::string> differences(const map_state& a, const map_state& b);
@@ -36,11 +36,22 @@ map_state state_of(world<S>& w) {
     KeyFrame<S>* const kf = S::raw(handle);
     if (kf == nullptr) continue;
     const int id = static_cast<int>(kf->mnId);
-    const auto id_of = [](auto* p) { return p == nullptr ? -1 : static_cast<int>(p->mnId); };
+    const auto id_of = [](auto* p) {
+      if (p == nullptr) return -1;
+      p->used();
+      return static_cast<int>(p->mnId);
+    };
     s.add('k', id, kf->mbBad);
     if (S::plain(kf->mpParent) != nullptr) s.add('T', id, id_of(S::plain(kf->mpParent)));
     const int previous = id_of(S::plain(kf->mPrevKF)), next = id_of(S::plain(kf->mNextKF));
     if (previous >= 0 || next >= 0) s.add('N', id, previous, next);
+    if (!kf->mbBad) {
+      auto* before = S::plain(kf->mPrevKF);
+      auto* after = S::plain(kf->mNextKF);
+      while (before != nullptr && before->mbBad) before = S::plain(before->mPrevKF);
+      while (after != nullptr && after->mbBad) after = S::plain(after->mNextKF);
+      s.add('n', id, id_of(before), id_of(after));
+    }
     for (const auto& entry : kf->mConnectedKeyFrameWeights)
       s.add('C', id, id_of(S::plain(entry.first)), entry.second);
     int slot = -1;
