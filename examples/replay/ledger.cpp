@@ -13,6 +13,8 @@ namespace {
 thread_local role role_now = role::main;
 thread_local long iteration_now = -1;
 fault_handler handler = nullptr;
+bool counting = false;
+std::atomic<std::uint64_t> counted{0};
 
 std::int64_t of_clock(clockid_t clock) {
   timespec t{};
@@ -60,9 +62,19 @@ std::int64_t peak_resident_bytes() {
 
 void on_fault(fault_handler h) { handler = h; }
 void fault(const char* what) {
+  if (counting) {
+    counted.fetch_add(1, std::memory_order_relaxed);
+    return;
+  }
   if (handler != nullptr) handler(what);
   std::fprintf(stderr, "%s: %s, iteration %ld\n", what, name_of(role_now), iteration_now);
   std::abort();
 }
+void count_faults(bool yes) {
+  counting = yes;
+  counted = 0;
+}
+bool counting_faults() { return counting; }
+std::uint64_t counted_faults() { return counted; }
 
 }  // namespace replay

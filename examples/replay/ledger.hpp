@@ -104,10 +104,15 @@ std::int64_t live_bytes();
 std::int64_t resident_bytes();
 std::int64_t peak_resident_bytes();
 
-// Memory that was freed is in use: says so and ends the process, unless somebody else is to be told.
+// An object that was deleted is in use: says so and ends the process, unless somebody else is to be told.
 using fault_handler = void (*)(const char* what);
 void on_fault(fault_handler handler);
-[[noreturn]] void fault(const char* what);
+void fault(const char* what);
+// Or nothing is really deleted by schemes that cannot do it safely (bury() instead), and such uses are only counted: to see how far a
+// scheme would have come.
+void count_faults(bool yes);
+bool counting_faults();
+std::uint64_t counted_faults();
 
 // Base class of what is born and dies: knows whether it is alive, and enters it into the ledger.
 template <kind Kind>
@@ -127,6 +132,10 @@ class mortal {
  protected:
   mortal() { ++ledger::now().mine().made[index]; }
   ~mortal() {
+    if (alive_ == magic) die();
+  }
+  // It counts as destroyed from now on.
+  void die() {
     alive_ = 0;
     role_ledger& mine = ledger::now().mine();
     ++mine.destroyed[index];

@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -138,7 +139,15 @@ int main(int argc, char** argv) {
               p.marked[1]);
           std::fflush(stdout);
         };
+        request.options.count_faults = false;
         report.runs.push_back(replay::run_in_child(*scheme, request, patience, show));
+        if (!report.runs.back().finished && scheme->is_unsafe) {
+          if (!quiet)
+            fmt::print("{}{:<16} {}; again, counting such uses\n", terminal ? "\r\x1b[K" : "",
+                       scheme->name, report.runs.back().explanation);
+          request.options.count_faults = true;
+          report.runs.push_back(replay::run_in_child(*scheme, request, patience, show));
+        }
         const auto& r = report.runs.back();
         if (!quiet)
           fmt::print(

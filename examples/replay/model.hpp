@@ -183,6 +183,16 @@ class KeyFrame : public mortal<kind::keyframe>,
     const lock l(mMutexConnections);
     return mbBad;
   }
+  // As if it were deleted: its counted references end.
+  void bury() {
+    {
+      const lock l(mMutexConnections);
+      mConnectedKeyFrameWeights.clear();
+      mvpOrderedConnectedKeyFrames.clear();
+      mvOrderedWeights.clear();
+    }
+    this->die();
+  }
   pose_record<S> record() {
     const lock l(mMutexConnections);
     return {mnId, S::template reference_to<KeyFrame, pose_record<S>>(S::plain(mpParent))};
@@ -283,6 +293,14 @@ class MapPoint : public mortal<kind::point>, public S::template object<MapPoint<
     this->marked();
     const lock l(mMutexFeatures);
     mbBad = true;
+  }
+  // As if it were deleted: its counted references end.
+  void bury() {
+    {
+      const lock l(mMutexFeatures);
+      mObservations.clear();
+    }
+    this->die();
   }
   bool isBad() {
     this->used();

@@ -22,10 +22,11 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(sample, seconds, frames, live_bytes, resident
                                    freed)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(thread_result, name, wall, cpu, destroyed, longest_pause,
                                    reclaiming)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(run_result, scheme, finished, explanation, complaint, seconds,
-                                   frames, made, inserted, marked, freed, peak_live, final_live,
-                                   reset_live, peak_resident, final_resident, lap_live, threads,
-                                   death_delay, map_digest, compared, differences, samples)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(run_result, scheme, finished, explanation, complaint, counted,
+                                   faults, seconds, frames, made, inserted, marked, freed,
+                                   peak_live, final_live, reset_live, peak_resident, final_resident,
+                                   lap_live, threads, death_delay, map_digest, compared,
+                                   differences, samples)
 
 namespace {
 

@@ -18,8 +18,8 @@ struct play_options {
   double speed = 0;     // as recorded: 1; 0: as fast as it can
   int laps = 1;         // the map is reset between them
   bool viewer = false;
-  bool background =
-      true;  // deferred: a thread of its own reclaims; else local mapping does, as in the thesis
+  bool background = true;     // deferred: a thread of its own reclaims; else local mapping does
+  bool count_faults = false;  // what would be deleted too early is not, and its uses are counted
 };
 
 // Called now and then, by one thread at a time: after how many frames of all laps.
@@ -49,7 +49,9 @@ struct run_result {
   bool finished = false;
   std::string explanation;  // if it did not finish
   std::string complaint;    // what it wrote to its standard error stream: a sanitizer's report
-  double seconds = 0;       // without what comes after the last frame
+  bool counted = false;     // with count_faults: memory says nothing then
+  std::uint64_t faults = 0;
+  double seconds = 0;  // without what comes after the last frame
   long frames = 0;
   // Keyframes, points; of all laps. Freed: of those that were marked, before their map was reset.
   std::uint64_t made[2] = {}, inserted[2] = {}, marked[2] = {}, freed[2] = {};
@@ -76,6 +78,7 @@ struct run_request {
 struct scheme_entry {
   const char* name;
   const char* about;
+  bool is_unsafe;  // deletes what may be in use
   run_result (*run)(const run_request&);
 };
 const std::vector<scheme_entry>& all_schemes();

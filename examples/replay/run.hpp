@@ -62,6 +62,7 @@ run_result run(const run_request& request) {
   const session& s = *request.of;
   const play_options& how = request.options;
   ledger::now().clear();
+  count_faults(how.count_faults);
   run_result r;
   r.scheme = S::name;
   r.samples.reserve(static_cast<std::size_t>(s.frames * how.laps / frames_between_samples + 2));
@@ -113,6 +114,8 @@ run_result run(const run_request& request) {
   }
   r.peak_resident = watch.peak_resident();
   add_ledger(r);
+  r.counted = how.count_faults;
+  r.faults = counted_faults();
   r.finished = true;
   return r;
 }

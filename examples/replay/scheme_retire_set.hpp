@@ -4,6 +4,7 @@
 // `All`: every member is counted. Else the thesis's three: mConnectedKeyFrameWeights, mvpOrderedConnectedKeyFrames, mObservations.
 #pragma once
 
+#include <mutex>
 #include <slamgc/mutex_counter.hpp>
 #include <slamgc/slamgc.hpp>
 
@@ -113,7 +114,10 @@ struct retire_sets : no_threads {
     }
     template <class T>
     void retire(T* p) {
-      (void)set_of<T>().insert(p);
+      if (counting_faults())
+        buried_of<T>().insert(p);
+      else
+        (void)set_of<T>().insert(p);
     }
     void collect() { (void)scan(); }
     void finish() {
@@ -126,8 +130,44 @@ struct retire_sets : no_threads {
     };
 
    private:
+    // What a retire_set does, without deleting.
+    template <class T>
+    class burying_set {
+     public:
+      void insert(T* p) {
+        const std::lock_guard<std::mutex> l(mutex_);
+        waiting_.insert(p);
+      }
+      std::size_t scan() {
+        const std::lock_guard<std::mutex> l(mutex_);
+        std::size_t n = 0;
+        for (auto i = waiting_.begin(); i != waiting_.end();) {
+          T* const p = *i;
+          if (p->use_count() != 0) {
+            ++i;
+            continue;
+          }
+          i = waiting_.erase(i);
+          p->bury();
+          ++n;
+        }
+        return n;
+      }
+
+     private:
+      std::mutex mutex_;
+      std::set<T*> waiting_;
+    };
+
     static std::size_t scan() {
+      if (counting_faults())
+        return buried_of<MapPoint<S>>().scan() + buried_of<KeyFrame<S>>().scan();
       return set_of<MapPoint<S>>().scan() + set_of<KeyFrame<S>>().scan();
+    }
+    template <class T>
+    static burying_set<T>& buried_of() {
+      static burying_set<T>& set = *new burying_set<T>;
+      return set;
     }
     // Never destroyed: what is left in it is still counted.
     template <class T>

@@ -122,8 +122,13 @@ struct raw_pointers : no_threads {
       return new T(std::forward<Args>(args)...);
     }
     template <class T>
-    void retire(T* p) {
-      if constexpr (Deletes) delete p;
+    void retire([[maybe_unused]] T* p) {
+      if constexpr (Deletes) {
+        if (counting_faults())
+          p->bury();
+        else
+          delete p;
+      }
     }
     void collect() {}
     void finish() {}

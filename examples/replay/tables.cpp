@@ -18,7 +18,7 @@ const thread_result* thread_of(const run_result& r, role which) {
   return nullptr;
 }
 
-// The run of a scheme whose local mapping took the middle of the times.
+// Of each scheme the run of median duration; one that stopped only if all did.
 std::vector<const run_result*> middle_runs(const report& what) {
   std::vector<const run_result*> all;
   for (const scheme_entry& scheme : all_schemes()) {
@@ -26,9 +26,11 @@ std::vector<const run_result*> middle_runs(const report& what) {
     for (const run_result& r : what.runs)
       if (r.scheme == scheme.name) of.push_back(&r);
     if (of.empty()) continue;
-    std::sort(of.begin(), of.end(), [](const run_result* a, const run_result* b) {
-      return a->finished != b->finished ? b->finished : a->seconds < b->seconds;
-    });
+    const auto stopped = [](const run_result* r) { return !r->finished; };
+    if (!std::all_of(of.begin(), of.end(), stopped))
+      of.erase(std::remove_if(of.begin(), of.end(), stopped), of.end());
+    std::sort(of.begin(), of.end(),
+              [](const run_result* a, const run_result* b) { return a->seconds < b->seconds; });
     all.push_back(of[of.size() / 2]);
   }
   return all;
@@ -140,7 +142,7 @@ std::string memory(const std::vector<const run_result*>& runs) {
   table t({"memory, MB", "peak live", "live at the end", "after a reset", "peak resident",
            "mark to free: p50 ms", "max ms", "longest pause ms", "destructors on tracking"});
   for (const run_result* r : runs) {
-    if (!r->finished) continue;
+    if (!r->finished || r->counted) continue;
     std::uint64_t on_tracking = 0;
     if (const thread_result* const x = thread_of(*r, role::tracking))
       on_tracking = x->destroyed[0] + x->destroyed[1];
@@ -161,12 +163,15 @@ std::string words(const report& what, const std::vector<const run_result*>& runs
   const run_result* base = nullptr;
   for (const run_result* r : runs)
     if (r->scheme == "leak") base = r;
+  for (const run_result& r : what.runs)
+    if (!r.finished)
+      out += fmt::format("{}: stopped after {} of {} frames; {}.\n", r.scheme, r.frames,
+                         what.of->frames * what.options.laps, r.explanation);
   for (const run_result* r : runs) {
-    if (!r->finished) {
-      out += fmt::format("{}: stopped after {} of {} frames; {}.\n", r->scheme, r->frames,
-                         what.of->frames * what.options.laps, r->explanation);
-      continue;
-    }
+    if (r->counted)
+      out += fmt::format("{}: had it gone on, it would have used deleted objects {} times.\n",
+                         r->scheme, r->faults);
+    if (!r->finished) continue;
     if (r->compared)
       out += r->differences.empty()
                  ? fmt::format("{}: the map is the recorded one, kind by kind.\n", r->scheme)
