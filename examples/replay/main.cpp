@@ -54,7 +54,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> names;
   int repeat = 1;
   double patience = 60;
-  bool in_order = false, list = false, quiet = false;
+  bool in_order = false, list = false, quiet = false, flat = false;
   replay::play_options options;
   std::vector<std::string> known;
   for (const auto& scheme : replay::all_schemes()) known.emplace_back(scheme.name);
@@ -70,6 +70,9 @@ int main(int argc, char** argv) {
   app.add_option("--laps", options.laps, "how often, with a reset of the map in between")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
+  app.add_option("--minutes", options.minutes, "begin no lap later than that, whatever --laps says")
+      ->check(CLI::Range(0.01, 10080.0));
+  app.add_flag("--must-be-flat", flat, "fail if memory grows from lap to lap under deferred");
   app.add_flag("--viewer", options.viewer, "with a viewer thread");
   app.add_option(
          "--reclaimer", reclaimer,
@@ -102,6 +105,7 @@ int main(int argc, char** argv) {
       fmt::print("{:<16} {}\n", scheme.name, scheme.about);
     return 0;
   }
+  if (options.minutes > 0) options.laps = 100000;
   options.threads = !in_order;
   options.background = reclaimer == "thread";
 
@@ -161,8 +165,20 @@ int main(int argc, char** argv) {
     fmt::print("\n{}", replay::tables(report));
     if (!json.empty()) replay::write_json(json, report);
     if (!csv.empty()) replay::write_csv(csv, report);
-    for (const auto& r : report.runs)
-      if (r.scheme == "deferred" && !r.finished) return 1;
+    for (const auto& r : report.runs) {
+      if (r.scheme != "deferred") continue;
+      if (!r.finished) return 1;
+      if (!flat) continue;
+      const double growth = static_cast<double>(replay::growth_of(r)) / 1e6,
+                   peak = static_cast<double>(r.peak_live) / 1e6;
+      fmt::print(
+          "deferred: after {} laps memory is {:+.2f} MB of what it was after the second; at most "
+          "{:.1f} MB\n",
+          r.lap_live.size(), growth, peak);
+      if (r.lap_live.size() < 3)
+        throw std::runtime_error("too few laps to say whether memory grows");
+      if (growth > 0.01 * peak) throw std::runtime_error("memory grows");
+    }
     return 0;
   } catch (const std::exception& e) {
     fmt::print(stderr, "slamgc-replay: {}\n", e.what());

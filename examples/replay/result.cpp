@@ -39,6 +39,10 @@ std::uint64_t digest_of(const map_state& s) {
   return digest;
 }
 
+std::int64_t growth_of(const run_result& r) {
+  return r.lap_live.size() < 3 ? 0 : r.lap_live.back() - r.lap_live[1];
+}
+
 void add_ledger(run_result& r) {
   const ledger& l = ledger::now();
   std::vector<const thinned*> deaths;

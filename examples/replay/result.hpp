@@ -17,6 +17,7 @@ struct play_options {
   bool threads = true;  // else one, in the order of the trace
   double speed = 0;     // as recorded: 1; 0: as fast as it can
   int laps = 1;         // the map is reset between them
+  double minutes = 0;   // no lap begins later; 0: all laps
   bool viewer = false;
   bool background = true;     // deferred: a thread of its own reclaims; else local mapping does
   bool count_faults = false;  // what would be deleted too early is not, and its uses are counted
@@ -82,6 +83,9 @@ struct scheme_entry {
   run_result (*run)(const run_request&);
 };
 const std::vector<scheme_entry>& all_schemes();
+
+// Bytes by which memory grew from the second lap to the last: 0 if there are not three.
+std::int64_t growth_of(const run_result& r);
 
 distribution distribution_of(const std::vector<const thinned*>& parts);
 std::uint64_t digest_of(const map_state& s);

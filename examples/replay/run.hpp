@@ -10,7 +10,7 @@
 
 namespace replay {
 
-constexpr long frames_between_samples = 10;
+constexpr long frames_between_samples = 10, most_samples = 20000, most_laps = 100000;
 
 // Notes memory and deaths while a session is played.
 class sampler {
@@ -24,7 +24,7 @@ class sampler {
 
   void at(long frames) {
     if (frames < next_) return;
-    next_ = frames + frames_between_samples;
+    next_ = frames + spacing_;
     sample s;
     s.seconds = seconds();
     s.frames = frames;
@@ -35,7 +35,8 @@ class sampler {
       s.freed[k] = ledger::now().freed[k].load(std::memory_order_relaxed);
     }
     to_.peak_live = std::max(to_.peak_live, s.live_bytes);
-    if (to_.samples.size() != to_.samples.capacity()) to_.samples.push_back(s);
+    if (to_.samples.size() == to_.samples.capacity()) thin();
+    to_.samples.push_back(s);
     if (also_) also_(frames);
   }
   double seconds() const { return static_cast<double>(nanoseconds_now() - start_) / 1e9; }
@@ -46,10 +47,18 @@ class sampler {
   }
 
  private:
+  // Memory that does not grow: every second one goes.
+  void thin() {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < to_.samples.size(); i += 2) to_.samples[kept++] = to_.samples[i];
+    to_.samples.resize(kept);
+    spacing_ *= 2;
+  }
+
   run_result& to_;
   const on_progress& also_;
   const std::int64_t start_, live_, resident_;
-  long next_ = 0;
+  long next_ = 0, spacing_ = frames_between_samples;
 };
 
 // Of what was marked: destroyed so far.
@@ -65,13 +74,15 @@ run_result run(const run_request& request) {
   count_faults(how.count_faults);
   run_result r;
   r.scheme = S::name;
-  r.samples.reserve(static_cast<std::size_t>(s.frames * how.laps / frames_between_samples + 2));
-  r.lap_live.reserve(static_cast<std::size_t>(how.laps));
+  r.samples.reserve(static_cast<std::size_t>(
+      std::min(most_samples, long{s.frames} * how.laps / frames_between_samples + 2)));
+  r.lap_live.reserve(static_cast<std::size_t>(std::min<long>(most_laps, how.laps)));
   sampler watch(r, request.progress);
   {
     typename S::program program(how.threads && how.background);
     typename S::thread me(program, "main", role::main);
-    for (int lap = 0; lap != how.laps; ++lap) {
+    for (int lap = 0; lap != how.laps && (how.minutes <= 0 || watch.seconds() < 60 * how.minutes);
+         ++lap) {
       const std::uint64_t freed_before[2] = {freed_so_far(0), freed_so_far(1)};
       me.begin();  // what is made now belongs to the program
       auto w = std::make_unique<world<S>>(program, s);
