@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -110,6 +111,9 @@ int main(int argc, char** argv) {
   options.background = reclaimer == "thread";
 
   try {
+    for (const std::string& path : {json, csv})
+      if (!path.empty() && !std::ofstream(path, std::ios::app))
+        throw std::runtime_error(path + ": cannot be written");
     const replay::session session = replay::make_session(
         file.empty() ? replay::read_trace("fr1_rpy (in the program)", replay::default_session())
                      : replay::read_trace(file));
@@ -130,7 +134,7 @@ int main(int argc, char** argv) {
     request.final_state = final_file.empty() ? nullptr : &final_state;
     request.options = options;
     const bool terminal = isatty(STDOUT_FILENO) != 0;
-    const int all_frames = session.frames * options.laps;
+    const long all_frames = long{session.frames} * options.laps;
     for (int i = 0; i != repeat; ++i)
       for (const auto* scheme : chosen(names)) {
         const auto show = [&](const replay::child_progress& p) {

@@ -86,4 +86,17 @@ struct named_ids {
 };
 named_ids names_of(const step& s);
 
+// Calls what(is_keyframe, id) for each of them.
+template <class What>
+void each_name(const session& s, const step& of, What what) {
+  const named_ids n = names_of(of);
+  for (const int k : n.keyframes)
+    if (k >= 0) what(true, k);
+  for (const int p : n.points)
+    if (p >= 0) what(false, p);
+  if (!n.list_of_keyframes && !n.list_of_points) return;
+  for (int i = of.b; i != of.b + of.c; ++i)
+    what(n.list_of_keyframes, s.lists[static_cast<std::size_t>(i)]);
+}
+
 }  // namespace replay

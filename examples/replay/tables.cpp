@@ -166,7 +166,7 @@ std::string words(const report& what, const std::vector<const run_result*>& runs
   for (const run_result& r : what.runs)
     if (!r.finished)
       out += fmt::format("{}: stopped after {} of {} frames; {}.\n", r.scheme, r.frames,
-                         what.of->frames * what.options.laps, r.explanation);
+                         long{what.of->frames} * what.options.laps, r.explanation);
   for (const run_result* r : runs) {
     if (r->counted)
       out += fmt::format("{}: had it gone on, it would have used deleted objects {} times.\n",
@@ -197,8 +197,8 @@ std::string heading(const report& what) {
       "{}\n{} frames in {:.1f} s; {} keyframes made, {} of them culled; {} points made, {} of them "
       "removed\n"
       "A keyframe of {} features takes {:.0f} kB here (sizeof {}; ORB-SLAM3: 308 to 354 kB), a "
-      "point {:.2f} kB (sizeof {}; ORB-SLAM3: 1.17 to "
-      "1.40 kB).\nThe thesis counts {} and {} bytes, which is sizeof alone.\n",
+      "point without its observations {:.2f} kB (sizeof {}; ORB-SLAM3: 0.91 "
+      "kB).\nThe thesis counts {} and {} bytes, which is sizeof alone.\n",
       s.about, s.frames, static_cast<double>(s.duration) / 1e6, s.keyframes, s.marked_keyframes,
       s.points, s.marked_points, f.features, static_cast<double>(f.bytes[0]) / 1e3,
       f.object_size[0], static_cast<double>(f.bytes[1]) / 1e3, f.object_size[1], thesis_bytes[0],

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "model.hpp"
+#include "map.hpp"
 #include "session.hpp"
 
 namespace replay {
