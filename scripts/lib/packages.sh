@@ -8,7 +8,7 @@
 packages_of() {
   case "$1" in
     build) echo cmake=cmake ninja-build=ninja ;;
-    demo) echo g++=c++ ;;
+    demo) echo g++=c++ '?zlib1g-dev' '?libcli11-dev' '?nlohmann-json3-dev' '?libfmt-dev' ;;
     pictures) echo graphviz=dot ;;
     gtest) echo python3=python3 patch=patch libgtest-dev=/usr/include/gtest/gtest.h '?graphviz=dot' ;;
     docs) echo python3=python3 doxygen=doxygen '?clang-format-14' '?clang-tidy-14' '?shellcheck' ;;
