@@ -63,6 +63,21 @@ bypass_edge<Next> bypass(Next next) noexcept {
   return {std::move(next)};
 }
 
+/// See announce().
+template <class F, class How>
+struct announced_edge {
+  F f;      ///< Is told.
+  How how;  ///< What happens then.
+};
+/// As @p how, null, erase or erase_with; but before a reference to a retired object goes, @p f(retired) is called, with the locks of
+/// edges() held and the reference still there. For a program that keeps an index over the member: it is told, as it tells the index
+/// of its own changes. @p f must not throw and must not change the member. (null: another thread that assigns the element without
+/// the lock makes it a call in vain.) Erasing by key then takes a walk, not a look-up.
+template <class F, class How>
+announced_edge<F, How> announce(F f, How how) noexcept {
+  return {std::move(f), std::move(how)};
+}
+
 /// For reports.
 constexpr const char* name_of(const hold_edge*) noexcept { return "hold"; }
 /// For reports.
@@ -78,6 +93,11 @@ constexpr const char* name_of(const erase_edge_with<Companions...>*) noexcept {
 template <class Next>
 constexpr const char* name_of(const bypass_edge<Next>*) noexcept {
   return "bypass";
+}
+/// For reports.
+template <class F, class How>
+constexpr const char* name_of(const announced_edge<F, How>*) noexcept {
+  return name_of(static_cast<const How*>(nullptr));
 }
 
 }  // namespace on_retire
