@@ -10,6 +10,8 @@
 /// v.edge("mNextKF", mNextKF, slamgc::on_retire::bypass([](KeyFrame& retired) {
 ///          return retired.mNextKF.get();                               // the slot refers to this instead
 ///        }));
+/// v.edge("mObservations", mObservations,                              // somebody is told before
+///        slamgc::on_retire::announce(tell, slamgc::on_retire::erase));
 /// ```
 ///
 /// An edge of a live object to a retired one is *stale*: the program has declared the target dead and left a
@@ -69,10 +71,11 @@ struct announced_edge {
   F f;      ///< Is told.
   How how;  ///< What happens then.
 };
-/// As @p how, null, erase or erase_with; but before a reference to a retired object goes, @p f(retired) is called, with the locks of
-/// edges() held and the reference still there. For a program that keeps an index over the member: it is told, as it tells the index
-/// of its own changes. @p f must not throw and must not change the member. (null: another thread that assigns the element without
-/// the lock makes it a call in vain.) Erasing by key then takes a walk, not a look-up.
+/// As @p how, which is null, erase or erase_with; but before a reference to a retired object goes, @p f(retired) is called, with the
+/// locks of edges() held and the reference still there. For a program that keeps an index over the member, and tells it of its own
+/// changes, too. @p f must not throw and must not change the member; of a sequence that elements are erased from it must not
+/// even read it. (An element that another thread assigns without the lock may be announced in vain.) Erasing by key takes a
+/// walk then, not a look-up.
 template <class F, class How>
 announced_edge<F, How> announce(F f, How how) noexcept {
   return {std::move(f), std::move(how)};

@@ -101,6 +101,9 @@ struct orb_slam_view {
 }  // namespace detail
 namespace orb_slam3 {
 
+/// What may read the members of ORB-SLAM's classes; the one of adapters/orb_slam3.hpp.
+using access = detail::orb_slam_members;
+
 /// Tells a redundancy::level_histogram what ORB-SLAM changes, and asks it.
 ///
 /// ```
@@ -217,7 +220,8 @@ class redundancy_hooks {
   template <class T>
   static void must(status s, T* of) {
     if (s != status::ok)
-      abort_on({redundancy::name_of(s), detail::type_name<T>::get(), static_cast<const void*>(of), 0});
+      abort_on(
+          {redundancy::name_of(s), detail::type_name<T>::get(), static_cast<const void*>(of), 0});
   }
 
   inline static redundancy::rule rule_ = redundancy::orb_slam3;

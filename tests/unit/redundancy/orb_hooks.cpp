@@ -108,8 +108,7 @@ class Session {
         if (one_of(2)) bad_point(mp, [&] { mp->SetBadFlag(); });
         break;
       case 16:
-        if (MapPoint<S>* const by = any(points_); by != mp)
-          bad_point(mp, [&] { mp->Replace(by); });
+        if (MapPoint<S>* const by = any(points_); by != mp) bad_point(mp, [&] { mp->Replace(by); });
         break;
       case 17:
         if (one_of(2)) cull(kf);
@@ -245,8 +244,8 @@ class Session {
   }
   template <class T>
   static void delete_unused(std::vector<T*>& all, const std::set<void*>& used) {
-    const auto unused = std::partition(all.begin(), all.end(),
-                                       [&](T* p) { return used.count(p) != 0; });
+    const auto unused =
+        std::partition(all.begin(), all.end(), [&](T* p) { return used.count(p) != 0; });
     for (auto i = unused; i != all.end(); ++i) delete *i;
     all.erase(unused, all.end());
   }
@@ -265,7 +264,7 @@ class OrbHooks : public testing::Test {
  protected:
   ~OrbHooks() override { Redundancy<S>::use(red::orb_slam3, true); }
   static void run(unsigned seed) {
-    for (int episode = 0; episode != rounds() / 4 + 1; ++episode) {
+    for (int episode = 0; episode != rounds() / 10 + 1; ++episode) {
       const red::rule rule{1 + episode % 4, 1, 9, 10};
       Session<S> session(seed + static_cast<unsigned>(episode), episode % 2 == 0, rule);
       for (int i = 0; i != 300; ++i) {
@@ -295,8 +294,7 @@ struct Eight {
   explicit Eight(bool from_file = false) {
     Redundancy<S>::use(red::orb_slam3, false);
     for (int level = 0; level != 8; ++level)
-      keyframes.push_back(
-          new KeyFrame<S>({level, 0}, {1, 1}, -1, {point, nullptr}, from_file));
+      keyframes.push_back(new KeyFrame<S>({level, 0}, {1, 1}, -1, {point, nullptr}, from_file));
   }
   ~Eight() {
     Redundancy<S>::use(red::orb_slam3, true);

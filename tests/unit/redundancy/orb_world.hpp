@@ -154,8 +154,9 @@ struct KeyFrame : S::template KeyFrameBase<KeyFrame<S>>, S::Cameras, Reused<KeyF
     const auto at = static_cast<std::size_t>(i);
     if constexpr (S::two_cameras)
       if (this->NLeft != -1)
-        return i < this->NLeft ? this->mvKeys[at].octave
-                               : this->mvKeysRight[at - static_cast<std::size_t>(this->NLeft)].octave;
+        return i < this->NLeft
+                   ? this->mvKeys[at].octave
+                   : this->mvKeysRight[at - static_cast<std::size_t>(this->NLeft)].octave;
     return mvKeysUn[at].octave;
   }
   int Left() const {
