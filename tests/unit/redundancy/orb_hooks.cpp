@@ -319,6 +319,8 @@ using RawShapes = testing::Types<OrbSlam2, OrbSlam3>;
 TYPED_TEST_SUITE(RawHooks, RawShapes, );
 
 TYPED_TEST(RawHooks, FourOthersAtMostOneLevelCoarser) {
+  static_assert(sizeof(typename Redundancy<TypeParam>::keyframe_state) == 8);
+  static_assert(sizeof(typename Redundancy<TypeParam>::point_state) == 16 + sizeof(void*));
   Eight<TypeParam> e;
   EXPECT_EQ(e.redundant(), std::vector<int>(8, 0));
   e.see();
