@@ -69,17 +69,25 @@ class Instances {
  public:
   static long Alive() { return alive_.load(); }
   static long Made() { return made_.load(); }
+  // How many ended on threads that had called ForbidHere().
+  static long EndedWhereForbidden() { return ended_where_forbidden_.load(); }
+  static void ForbidHere() { forbidden_here_ = true; }
   const long mnSerial = made_++;
 
  protected:
   Instances() { ++alive_; }
   Instances(const Instances&) : Instances() {}
   Instances& operator=(const Instances&) { return *this; }
-  ~Instances() { --alive_; }
+  ~Instances() {
+    --alive_;
+    if (forbidden_here_) ++ended_where_forbidden_;
+  }
 
  private:
   static inline std::atomic<long> alive_{0};
   static inline std::atomic<long> made_{0};
+  static inline std::atomic<long> ended_where_forbidden_{0};
+  static inline thread_local bool forbidden_here_ = false;
 };
 
 // Orders the sets and maps: an order by address would make each run different.

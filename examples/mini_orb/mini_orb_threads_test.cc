@@ -1,6 +1,7 @@
 // mini_orb with the threads of ORB-SLAM3: every path beside every other one, for the sanitizers; and that nothing is left.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sstream>
 #include <thread>
 
@@ -37,6 +38,14 @@ class MiniOrbThreads : public testing::Test {
     EXPECT_EQ(Instances<Map>::Alive(), maps_);
   }
 
+  // What was made since the test began, and what of it is alive.
+  long MadeKeyFrames() const { return Instances<KeyFrame>::Made() - made_keyframes_; }
+  long MadePoints() const { return Instances<MapPoint>::Made() - made_points_; }
+  long KeyFrames() const { return Instances<KeyFrame>::Alive() - keyframes_; }
+  long Points() const { return Instances<MapPoint>::Alive() - points_; }
+
+  const long made_keyframes_ = Instances<KeyFrame>::Made();
+  const long made_points_ = Instances<MapPoint>::Made();
   const long keyframes_ = Instances<KeyFrame>::Alive();
   const long points_ = Instances<MapPoint>::Alive();
   const long maps_ = Instances<Map>::Alive();
@@ -100,6 +109,69 @@ TEST_F(MiniOrbThreads, ShutdownInEachState) {
     session.Dark(frames / 4);
   }
   ExpectNothingAtTheEnd();
+}
+
+// Hours of driving round the same track, as fast as it goes: what is alive stays what the map holds and what waits for a moment.
+TEST_F(MiniOrbThreads, ALongSessionStaysFlat) {
+  if (!kReclaims) GTEST_SKIP() << "the plain build grows with each lap";
+  constexpr int kLaps = 30;
+  DriveUntil([&] { return session.system->GetSummary().culled > 10; });
+  Drive(2 * World::kLap);
+  const auto known = session.system->GetSummary();
+  long most_keyframes = 0, most_points = 0;
+  for (int lap = 0; lap != kLaps; ++lap) {
+    Drive(World::kLap);
+    const auto now = session.system->GetSummary();
+    most_keyframes = std::max(most_keyframes, KeyFrames() - static_cast<long>(now.keyframes));
+    most_points = std::max(most_points, Points() - static_cast<long>(now.points));
+  }
+  const auto now = session.system->GetSummary();
+  ASSERT_GT(now.culled, known.culled + 2 * kLaps);
+  EXPECT_LT(now.keyframes, 2 * known.keyframes);
+  // Bounded by what is on its way, not by what was culled.
+  EXPECT_LT(most_keyframes, 30);
+  EXPECT_LT(most_points, static_cast<long>(3 * known.points));
+  ASSERT_TRUE(session.system->Drain());
+  EXPECT_LE(KeyFrames() - static_cast<long>(session.system->GetSummary().keyframes), 3);
+  ExpectNothingAtTheEnd();
+}
+
+// What was marked goes while all threads are at work, but for one in a hundred at most, and the few that are in use.
+TEST_F(MiniOrbThreads, WhatIsMarkedGoesMeanwhile) {
+  if (!kReclaims) GTEST_SKIP() << "the plain build frees nothing";
+  DriveUntil([&] { return session.system->GetSummary().culled > 20; });
+  const auto then = session.system->GetSummary();
+  const long keyframes = MadeKeyFrames() - static_cast<long>(then.keyframes) - 3;  // in the queue
+  const long points = MadePoints() - static_cast<long>(then.points);
+  ASSERT_GT(points, 100);
+  DriveUntil([&] {
+    return 100 * (MadeKeyFrames() - KeyFrames()) >= 99 * keyframes &&
+           100 * (MadePoints() - Points()) >= 99 * points;
+  });
+}
+
+TEST_F(MiniOrbThreads, NothingEndsOnTheTrackingThread) {
+  if (!kReclaims) GTEST_SKIP() << "the plain build deletes points of localisation there";
+  std::thread([&] {
+    Instances<KeyFrame>::ForbidHere();
+    Instances<MapPoint>::ForbidHere();
+    Instances<Map>::ForbidHere();
+    Session here{60, true};
+    session.system.swap(here.system);
+    DriveUntil([&] { return session.system->GetSummary().culled > 10; });
+    session.system->ActivateLocalizationMode();
+    Drive(30);
+    session.system->DeactivateLocalizationMode();
+    session.system->ResetActiveMap();
+    Drive(30);
+    session.system->Reset();
+    Drive(30);
+    session.system.swap(here.system);
+    EXPECT_GT(MadeKeyFrames() - KeyFrames(), 10);
+    EXPECT_EQ(Instances<KeyFrame>::EndedWhereForbidden(), 0);
+    EXPECT_EQ(Instances<MapPoint>::EndedWhereForbidden(), 0);
+    EXPECT_EQ(Instances<Map>::EndedWhereForbidden(), 0);
+  }).join();
 }
 
 }  // namespace

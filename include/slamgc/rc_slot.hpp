@@ -107,6 +107,21 @@ class rc_slot : private detail::counted_member<rc_slot<T, Env>> {
     detail::drop_reference(done ? expected : p);
     return done;
   }
+  /// For a function that takes a `T*&`, as an argument of its call: a plain pointer, which the slot refers to when this ends.
+  class edit_scope {
+   public:
+    explicit edit_scope(rc_slot& slot) noexcept : slot_(slot), p_(slot.get()) {}  ///< See edit().
+    ~edit_scope() { slot_ = p_; }                                                 ///< Stores it.
+    edit_scope(const edit_scope&) = delete;
+    edit_scope& operator=(const edit_scope&) = delete;
+    operator T*&() noexcept { return p_; }  ///< The pointer.
+
+   private:
+    rc_slot& slot_;
+    T* p_;
+  };
+  /// See edit_scope. What other threads store meanwhile is overwritten.
+  [[nodiscard]] edit_scope edit() & noexcept { return edit_scope(*this); }
   /// Becomes null.
   void reset() noexcept { *this = static_cast<T*>(nullptr); }
 

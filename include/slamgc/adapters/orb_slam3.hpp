@@ -13,6 +13,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -223,27 +224,22 @@ class thread {
   std::unique_ptr<detail::any_orb_slam_root> part_;
 };
 
-/// The thread of a global bundle adjustment, which may take minutes: the first line of `LoopClosing::RunGlobalBundleAdjustment`.
-///
-/// ```
-/// void LoopClosing::RunGlobalBundleAdjustment(slamgc::pin<Map> pActiveMap, unsigned long nLoopKF) {
-///   slamgc::orb_slam3::adjustment me;
-/// ...
-///   slamgc::orb_slam3::adjustment::optimize([&] { optimizer.optimize(nIterations); }, vpKFs, vpMP);  // Optimizer
-/// ```
-///
-/// Its map is given as a pin, since the thread that starts it may drop the map before it is registered.
+/// The thread of a global bundle adjustment, which may take minutes. See adjusting().
 class adjustment {
  public:
-  /// Throws std::bad_alloc.
+  /// Registers the calling thread. Throws std::bad_alloc.
   adjustment() : thread_("GlobalBA"), outer_(std::exchange(of_this_thread(), this)) {}
   ~adjustment() { of_this_thread() = outer_; }
   adjustment(const adjustment&) = delete;
   adjustment& operator=(const adjustment&) = delete;
 
-  /// Runs @p f. On a thread with an adjustment nothing waits for it, and what is in the vectors @p pinned stays alive; @p f, and its
-  /// caller afterwards, must use nothing else of the map that was read before. On another thread: just runs @p f, so that
-  /// `Optimizer::BundleAdjustment` can be called by tracking, too. O(what is pinned).
+  /// Runs @p f. On a thread with an adjustment nobody waits for it, and what is in the vectors @p pinned stays alive; @p f, and its
+  /// caller afterwards, use nothing else of the map that was read before. On other threads it just runs @p f, so that
+  /// tracking may call `Optimizer::BundleAdjustment`, too. O(what is pinned).
+  ///
+  /// ```
+  /// slamgc::orb_slam3::adjustment::optimize([&] { optimizer.optimize(nIterations); }, vpKFs, vpMP);
+  /// ```
   template <class F, class... Objects>
   static void optimize(F&& f, const std::vector<Objects*>&... pinned) {
     adjustment* const me = of_this_thread();
@@ -263,13 +259,28 @@ class adjustment {
   adjustment* const outer_;
 };
 
+/// What a thread for a global bundle adjustment of @p pMap runs: `f(args...)`, registered, and with the map pinned from now on.
+///
+/// ```
+/// mpThreadGBA = new thread(slamgc::orb_slam3::adjusting(
+///     pLoopMap, &LoopClosing::RunGlobalBundleAdjustment, this, pLoopMap, mpCurrentKF->mnId));
+/// ```
+template <class Map, class F, class... Args>
+[[nodiscard]] auto adjusting(Map* pMap, F f, Args... args) {
+  return [pinned = pin<Map>(pMap), f, args...]() mutable {
+    const adjustment me;
+    std::invoke(f, args...);
+    pinned.reset();
+  };
+}
+
 /// Reclaims what ORB-SLAM3 marks: a member of `System`.
 ///
 /// ```
-/// mSlamgc.add(*mpTracker, *this, *mpAtlas, *mpKeyFrameDatabase, *mpFrameDrawer);  // in System's constructor
+/// mSlamgc.add(*mpTracker, *this, *mpAtlas, *mpFrameDrawer);  // in System's constructor
 /// mSlamgc.start();
 /// const slamgc::orb_slam3::frame here(mSlamgc);                                   // first line of each TrackX
-/// mSlamgc.end(*mpTracker, *this, *mpLocalMapper, *mpLoopCloser, *mpAtlas, *mpKeyFrameDatabase, *mpFrameDrawer);  // ~System
+/// mSlamgc.end(*mpTracker, *this, *mpLocalMapper, *mpLoopCloser, *mpAtlas, *mpFrameDrawer);  // ~System
 /// ```
 class session {
  public:

@@ -117,9 +117,9 @@ class orb_slam_members {
     member(v, "mspMapPoints", m.mspMapPoints, on_retire::erase);
     member(v, "mvpKeyFrameOrigins", m.mvpKeyFrameOrigins, on_retire::erase);
     member(v, "mvpReferenceMapPoints", m.mvpReferenceMapPoints, on_retire::erase);
-    optional(
-        v, "mpKFinitial", m, [](auto& i) -> decltype((i.mpKFinitial)) { return i.mpKFinitial; },
-        on_retire::null);
+    // Used without a test by an adjustment that goes on after a reset; the next keyframe takes its place.
+    optional(v, "mpKFinitial", m,
+             [](auto& i) -> decltype((i.mpKFinitial)) { return i.mpKFinitial; });
     optional(
         v, "mpKFlowerID", m, [](auto& i) -> decltype((i.mpKFlowerID)) { return i.mpKFlowerID; },
         on_retire::null);
@@ -132,7 +132,6 @@ class orb_slam_members {
     if constexpr (is == kind::tracking) tracking(v, p);
     if constexpr (is == kind::local_mapping) local_mapping(v, p);
     if constexpr (is == kind::loop_closing) loop_closing(v, p);
-    if constexpr (is == kind::database) database(v, p);
     if constexpr (is == kind::atlas) atlas(v, p);
     if constexpr (is == kind::only_map) map(v, p);
     if constexpr (is == kind::drawer) drawer(v, p);
@@ -141,8 +140,8 @@ class orb_slam_members {
   /// Of a part, for reports.
   template <class Part>
   static const char* name() {
-    constexpr const char* names[] = {"Tracking", "LocalMapping", "LoopClosing", "KeyFrameDatabase",
-                                     "Atlas",    "Map",          "FrameDrawer", "System"};
+    constexpr const char* names[] = {"Tracking", "LocalMapping", "LoopClosing", "Atlas",
+                                     "Map",      "FrameDrawer",  "System"};
     return names[static_cast<int>(kind_of<Part>())];
   }
   /// Does not compile while a member of the part, or of an object to which that leads, is not counted.
@@ -234,16 +233,7 @@ class orb_slam_members {
 
   // ---- parts
 
-  enum class kind {
-    tracking,
-    local_mapping,
-    loop_closing,
-    database,
-    atlas,
-    only_map,
-    drawer,
-    system
-  };
+  enum class kind { tracking, local_mapping, loop_closing, atlas, only_map, drawer, system };
   template <class Of, class In>
   static constexpr bool has(const In&) {
     return std::is_invocable<In, Of&>::value;
@@ -260,10 +250,6 @@ class orb_slam_members {
                          return p.mlpLoopKeyFrameQueue;
                        }))
       return kind::loop_closing;
-    else if constexpr (has<P>([](auto& p) -> decltype((p.mvInvertedFile)) {
-                         return p.mvInvertedFile;
-                       }))
-      return kind::database;
     else if constexpr (has<P>([](auto& p) -> decltype((p.mspMaps)) { return p.mspMaps; }))
       return kind::atlas;
     else if constexpr (has<P>([](auto& p) -> decltype((p.mspKeyFrames)) { return p.mspKeyFrames; }))
@@ -398,12 +384,6 @@ class orb_slam_members {
       for (auto& group : groups(l)) member(v, "mvConsistentGroups", group.first, on_retire::erase);
     (void)groups;
   }
-  template <class Visitor, class KeyFrameDatabase>
-  static void database(Visitor& v, KeyFrameDatabase& d) {
-    const lock all(d.mMutex);
-    for (auto& keyframes : d.mvInvertedFile)
-      member(v, "mvInvertedFile", keyframes, on_retire::erase);
-  }
   template <class Visitor, class Atlas>
   static void atlas(Visitor& v, Atlas& a) {
     const lock all(a.mMutexAtlas);
@@ -416,18 +396,15 @@ class orb_slam_members {
     const lock all(d.mMutex);
     kept_frame(v, d.mCurrentFrame, "mCurrentFrame.mvpMapPoints", "mCurrentFrame.mpReferenceKF",
                "mCurrentFrame.mpLastKeyFrame");
-    member(v, "mvpLocalMap", d.mvpLocalMap, on_retire::erase);
-    optional(
-        v, "mvpMatchedMPs", d,
-        [](auto& f) -> decltype((f.mvpMatchedMPs)) { return f.mvpMatchedMPs; }, on_retire::erase);
-    optional(
-        v, "mvpOutlierMPs", d,
-        [](auto& f) -> decltype((f.mvpOutlierMPs)) { return f.mvpOutlierMPs; }, on_retire::erase);
+    // Its vectors are never read through: they may stay raw.
+    if constexpr (is_counted<decltype(d.mvpLocalMap)>::value)
+      member(v, "mvpLocalMap", d.mvpLocalMap, on_retire::erase);
   }
   template <class Visitor, class System>
   static void system(Visitor& v, System& s) {
     const lock all(s.mMutexState);
-    member(v, "mTrackedMapPoints", s.mTrackedMapPoints, on_retire::null);
+    member(v, "mTrackedMapPoints",
+           s.mTrackedMapPoints);  // the user has copies until the next frame
   }
 };
 
