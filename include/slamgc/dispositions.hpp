@@ -10,6 +10,8 @@
 /// v.edge("mNextKF", mNextKF, slamgc::on_retire::bypass([](KeyFrame& retired) {
 ///          return retired.mNextKF.get();                               // the slot refers to this instead
 ///        }));
+/// v.edge("mObservations", mObservations,                              // somebody is told before
+///        slamgc::on_retire::announce(tell, slamgc::on_retire::erase));
 /// ```
 ///
 /// An edge of a live object to a retired one is *stale*: the program has declared the target dead and left a
@@ -63,6 +65,22 @@ bypass_edge<Next> bypass(Next next) noexcept {
   return {std::move(next)};
 }
 
+/// See announce().
+template <class F, class How>
+struct announced_edge {
+  F f;      ///< Is told.
+  How how;  ///< What happens then.
+};
+/// As @p how, which is null, erase or erase_with; but before a reference to a retired object goes, @p f(retired) is called, with the
+/// locks of edges() held and the reference still there. For a program that keeps an index over the member, and tells it of its own
+/// changes, too. @p f must not throw and must not change the member; of a sequence that elements are erased from it must not
+/// even read it. (An element that another thread assigns without the lock may be announced in vain.) Erasing by key takes a
+/// walk then, not a look-up.
+template <class F, class How>
+announced_edge<F, How> announce(F f, How how) noexcept {
+  return {std::move(f), std::move(how)};
+}
+
 /// For reports.
 constexpr const char* name_of(const hold_edge*) noexcept { return "hold"; }
 /// For reports.
@@ -78,6 +96,11 @@ constexpr const char* name_of(const erase_edge_with<Companions...>*) noexcept {
 template <class Next>
 constexpr const char* name_of(const bypass_edge<Next>*) noexcept {
   return "bypass";
+}
+/// For reports.
+template <class F, class How>
+constexpr const char* name_of(const announced_edge<F, How>*) noexcept {
+  return name_of(static_cast<const How*>(nullptr));
 }
 
 }  // namespace on_retire

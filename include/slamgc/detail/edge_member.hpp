@@ -19,10 +19,17 @@ namespace detail {
 
 template <class T, class Std, class Reference, class Iterator>
 class counted_container;
+template <class Member>
+struct edge_member;
 template <class T, class Std, class Reference, class Iterator>
 Reference reference_in(const counted_container<T, Std, Reference, Iterator>&);
 
 struct element_mapped;
+
+template <class How>
+struct is_bypass : std::false_type {};
+template <class Next>
+struct is_bypass<on_retire::bypass_edge<Next>> : std::true_type {};
 
 /// Whether elements are found by their number.
 template <class Sequence, class = void>
@@ -85,6 +92,36 @@ T* bypassed(T* p, const Next& next, Stale& stale) {
   return p;
 }
 
+/// Tells @p f of each stale target that it finds; whoever asks drops it then.
+template <class F, class Stale>
+class announcing {
+ public:
+  announcing(const F& f, Stale& stale) noexcept : f_(f), stale_(stale) {}
+
+  template <class T>
+  bool operator()(T* p) const {
+    if (!stale_(p)) return false;
+    f_(*p);
+    return true;
+  }
+  bool dropped(bool done) const noexcept { return stale_.dropped(done); }
+  /// What is looked up need not be there, and would be announced.
+  static bool few(std::size_t) noexcept { return false; }
+  template <class T, class G>
+  static void each(G) noexcept {}
+
+ private:
+  const F& f_;
+  Stale& stale_;
+};
+template <class Member, class F, class How, class Stale>
+void purge_announced(Member& member, const on_retire::announced_edge<F, How>& how, Stale& stale) {
+  static_assert(!std::is_same<How, on_retire::hold_edge>::value && !is_bypass<How>::value,
+                "slamgc: what can be announced is null, erase and erase_with");
+  announcing<F, Stale> announced(how.f, stale);
+  edge_member<Member>::purge(member, how.how, announced);
+}
+
 /// A member that is one reference: `compare_exchange` changes it while other threads may assign it.
 template <class Slot>
 struct edge_slot {
@@ -106,6 +143,10 @@ struct edge_slot {
     auto* const p = member.get();
     if (p != nullptr && stale(p))
       stale.dropped(replace(member, p, detail::bypassed(p, how.next, stale)));
+  }
+  template <class F, class How, class Stale>
+  static void purge(Slot& member, const on_retire::announced_edge<F, How>& how, Stale& stale) {
+    detail::purge_announced(member, how, stale);
   }
   template <class Disposition, class Stale>
   static void purge(Slot&, const Disposition&, Stale&) {
@@ -138,6 +179,10 @@ struct edge_container {
   template <class Stale>
   static void purge(Container& member, on_retire::hold_edge, Stale& stale) {
     each(member, [&](auto* p) { stale.hold(p); });
+  }
+  template <class F, class How, class Stale>
+  static void purge(Container& member, const on_retire::announced_edge<F, How>& how, Stale& stale) {
+    detail::purge_announced(member, how, stale);
   }
   template <class Disposition, class Stale>
   static void purge(Container&, const Disposition&, Stale&) {

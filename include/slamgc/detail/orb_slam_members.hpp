@@ -3,6 +3,7 @@
 /// is retired. docs/orb-slam3.md has the reasons.
 #pragma once
 
+#include <cstddef>
 #include <mutex>
 #include <type_traits>
 #include <utility>
@@ -31,11 +32,37 @@ struct is_counted<Container,
 /// A friend of ORB-SLAM's classes. A member that is not counted (yet) is not described.
 class orb_slam_members {
  public:
+  // What an index of redundancy reads.
+  template <class KeyFrame>
+  static auto& slots(KeyFrame& kf) {
+    return kf.mvpMapPoints;
+  }
+  template <class MapPoint>
+  static auto& observations(MapPoint& mp) {
+    return mp.mObservations;
+  }
+  template <class MapPoint>
+  static bool bad_flag(const MapPoint& mp) {
+    return mp.mbBad;
+  }
+  template <class T>
+  static std::mutex& features_mutex(T& object) {
+    return object.mMutexFeatures;
+  }
+
   template <class Visitor, class KeyFrame>
   static void keyframe(Visitor& v, KeyFrame& kf) {
     {
       const lock features(kf.mMutexFeatures);
-      member(v, "mvpMapPoints", kf.mvpMapPoints, on_retire::null);
+      if constexpr (has<KeyFrame>(in_index)) {
+        using hooks = typename std::decay_t<decltype(kf.mRedundancy)>::hooks;
+        if constexpr (std::is_same<Visitor, severing_visitor>::value) hooks::remove_keyframe(&kf);
+        std::size_t next = 0;
+        const auto tell = [&](auto& bad) { next = hooks::drop_slot(kf, bad, next); };
+        member(v, "mvpMapPoints", kf.mvpMapPoints, on_retire::announce(tell, on_retire::null));
+      } else {
+        member(v, "mvpMapPoints", kf.mvpMapPoints, on_retire::null);
+      }
     }
     {
       const lock connections(kf.mMutexConnections);
@@ -66,7 +93,13 @@ class orb_slam_members {
   static void map_point(Visitor& v, MapPoint& mp) {
     {
       const lock features(mp.mMutexFeatures);
-      member(v, "mObservations", mp.mObservations, on_retire::erase);  // before one of them
+      if constexpr (has<MapPoint>(in_index)) {
+        using hooks = typename std::decay_t<decltype(mp.mRedundancy)>::hooks;
+        const auto tell = [&mp](auto& bad) { hooks::erase_observation(&bad, &mp); };
+        member(v, "mObservations", mp.mObservations, on_retire::announce(tell, on_retire::erase));
+      } else {
+        member(v, "mObservations", mp.mObservations, on_retire::erase);  // before one of them
+      }
       member(v, "mpRefKF", mp.mpRefKF, on_retire::bypass([&mp](auto& bad) {
                auto* first = &bad;
                first = mp.mObservations.empty() ? nullptr : mp.mObservations.begin()->first;
@@ -133,6 +166,10 @@ class orb_slam_members {
 
  private:
   using lock = std::lock_guard<std::mutex>;
+  /// What adapters/orb_slam_redundancy.hpp keeps in an object, and which is told what is dropped.
+  static constexpr auto in_index = [](auto& o) -> decltype((o.mRedundancy)) {
+    return o.mRedundancy;
+  };
 
   // ---- members
 

@@ -41,8 +41,9 @@ class recompute : public index<recompute<Map, Env>, Map> {
   status slot_changed(const keyframe&, int, const point&, const point*) { return status::ok; }
 
   [[nodiscard]] verdict judge(const keyframe& k) const {
-    verdict v = this->counts(k).judge(rule_);
-    if (v.result != status::ok) return v;
+    const verdict kept = this->counts(k).judge(rule_);
+    if (kept.result != status::ok) return kept;
+    verdict v;
     const auto slots_stay = map_.lock_slots(k);
     const int n = map_.slots(k);
     for (int i = 0; i != n; ++i) {

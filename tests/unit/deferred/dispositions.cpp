@@ -203,6 +203,32 @@ TYPED_TEST(DispositionOfSlot, BypassOfAChainThatEnds) {
       });
 }
 
+// Told of what goes, while it is there.
+template <class Slot>
+struct announcing_slot {
+  Slot member;
+  std::vector<int> told;
+  template <class Visitor>
+  void edges(Visitor& v) {
+    const auto tell = [this](auto& retired) {
+      EXPECT_EQ(member.get(), &retired);
+      told.push_back(retired.id);
+    };
+    v.edge("member", member, on_retire::announce(tell, on_retire::null));
+  }
+};
+
+TYPED_TEST(DispositionOfSlot, AnnounceTellsOnce) {
+  using place = announcing_slot<TypeParam>;
+  for (const int dead : {0, 1})
+    purge<place>(
+        2, {dead}, [](place& at, const auto& all) { fill_slot(at.member, all[0]); },
+        [dead](place& at, const auto&) {
+          EXPECT_EQ(at.member.get() == nullptr, dead == 0);
+          EXPECT_EQ(at.told, dead == 0 ? std::vector<int>{0} : std::vector<int>{});
+        });
+}
+
 // Circles with a tail of every length.
 TYPED_TEST(DispositionOfSlot, BypassOfACircleGivesNull) {
   using place = bypassing<TypeParam>;
@@ -308,6 +334,35 @@ TYPED_TEST(DispositionOfContainer, EraseTakesTheStaleOnesOut) {
           [&](place& at, const auto&) {
             EXPECT_EQ(ids_in(at.member), all_but(n, dead));
             EXPECT_EQ(item::live(), n - static_cast<int>(dead.size()));
+          });
+    }
+}
+
+template <class Container>
+struct announcing_container {
+  Container member;
+  std::vector<int> told;
+  template <class Visitor>
+  void edges(Visitor& v) {
+    const auto tell = [this](auto& retired) { told.push_back(retired.id); };
+    v.edge("member", member, on_retire::announce(tell, on_retire::erase));
+  }
+};
+
+TYPED_TEST(DispositionOfContainer, AnnounceTellsOfEachThatGoes) {
+  using place = announcing_container<TypeParam>;
+  for (const int n : {10, 300})
+    for (const std::set<int>& dead : {some, std::set<int>{3}, std::set<int>{}}) {
+      SCOPED_TRACE(n);
+      purge<place>(
+          n, dead,
+          [](place& at, const auto& all) {
+            for (special* p : all) put(at.member, p);
+          },
+          [&](place& at, const auto&) {
+            EXPECT_EQ(ids_in(at.member), all_but(n, dead));
+            std::sort(at.told.begin(), at.told.end());
+            EXPECT_EQ(at.told, std::vector<int>(dead.begin(), dead.end()));
           });
     }
 }
@@ -512,6 +567,8 @@ TEST(Dispositions, HaveNames) {
   EXPECT_STREQ(on_retire::name_of(&with), "erase");
   const auto by = on_retire::bypass([](item&) -> item* { return nullptr; });
   EXPECT_STREQ(on_retire::name_of(&by), "bypass");
+  const auto told = on_retire::announce([](item&) {}, on_retire::null);
+  EXPECT_STREQ(on_retire::name_of(&told), "null");
 }
 
 }  // namespace
