@@ -1137,6 +1137,8 @@ struct reclaim_at_zero {
 /// v.edge("mNextKF", mNextKF, slamgc::on_retire::bypass([](KeyFrame& retired) {
 ///          return retired.mNextKF.get();                               // the slot refers to this instead
 ///        }));
+/// v.edge("mObservations", mObservations,                              // somebody is told before
+///        slamgc::on_retire::announce(tell, slamgc::on_retire::erase));
 /// ```
 ///
 /// An edge of a live object to a retired one is *stale*: the program has declared the target dead and left a
@@ -1188,6 +1190,22 @@ bypass_edge<Next> bypass(Next next) noexcept {
   return {std::move(next)};
 }
 
+/// See announce().
+template <class F, class How>
+struct announced_edge {
+  F f;      ///< Is told.
+  How how;  ///< What happens then.
+};
+/// As @p how, which is null, erase or erase_with; but before a reference to a retired object goes, @p f(retired) is called, with the
+/// locks of edges() held and the reference still there. For a program that keeps an index over the member, and tells it of its own
+/// changes, too. @p f must not throw and must not change the member; of a sequence that elements are erased from it must not
+/// even read it. (An element that another thread assigns without the lock may be announced in vain.) Erasing by key takes a
+/// walk then, not a look-up.
+template <class F, class How>
+announced_edge<F, How> announce(F f, How how) noexcept {
+  return {std::move(f), std::move(how)};
+}
+
 /// For reports.
 constexpr const char* name_of(const hold_edge*) noexcept { return "hold"; }
 /// For reports.
@@ -1203,6 +1221,11 @@ constexpr const char* name_of(const erase_edge_with<Companions...>*) noexcept {
 template <class Next>
 constexpr const char* name_of(const bypass_edge<Next>*) noexcept {
   return "bypass";
+}
+/// For reports.
+template <class F, class How>
+constexpr const char* name_of(const announced_edge<F, How>*) noexcept {
+  return name_of(static_cast<const How*>(nullptr));
 }
 
 }  // namespace on_retire
@@ -1283,10 +1306,17 @@ namespace detail {
 
 template <class T, class Std, class Reference, class Iterator>
 class counted_container;
+template <class Member>
+struct edge_member;
 template <class T, class Std, class Reference, class Iterator>
 Reference reference_in(const counted_container<T, Std, Reference, Iterator>&);
 
 struct element_mapped;
+
+template <class How>
+struct is_bypass : std::false_type {};
+template <class Next>
+struct is_bypass<on_retire::bypass_edge<Next>> : std::true_type {};
 
 /// Whether elements are found by their number.
 template <class Sequence, class = void>
@@ -1349,6 +1379,36 @@ T* bypassed(T* p, const Next& next, Stale& stale) {
   return p;
 }
 
+/// Tells @p f of each stale target that it finds; whoever asks drops it then.
+template <class F, class Stale>
+class announcing {
+ public:
+  announcing(const F& f, Stale& stale) noexcept : f_(f), stale_(stale) {}
+
+  template <class T>
+  bool operator()(T* p) const {
+    if (!stale_(p)) return false;
+    f_(*p);
+    return true;
+  }
+  bool dropped(bool done) const noexcept { return stale_.dropped(done); }
+  /// What is looked up need not be there, and would be announced.
+  static bool few(std::size_t) noexcept { return false; }
+  template <class T, class G>
+  static void each(G) noexcept {}
+
+ private:
+  const F& f_;
+  Stale& stale_;
+};
+template <class Member, class F, class How, class Stale>
+void purge_announced(Member& member, const on_retire::announced_edge<F, How>& how, Stale& stale) {
+  static_assert(!std::is_same<How, on_retire::hold_edge>::value && !is_bypass<How>::value,
+                "slamgc: what can be announced is null, erase and erase_with");
+  announcing<F, Stale> announced(how.f, stale);
+  edge_member<Member>::purge(member, how.how, announced);
+}
+
 /// A member that is one reference: `compare_exchange` changes it while other threads may assign it.
 template <class Slot>
 struct edge_slot {
@@ -1370,6 +1430,10 @@ struct edge_slot {
     auto* const p = member.get();
     if (p != nullptr && stale(p))
       stale.dropped(replace(member, p, detail::bypassed(p, how.next, stale)));
+  }
+  template <class F, class How, class Stale>
+  static void purge(Slot& member, const on_retire::announced_edge<F, How>& how, Stale& stale) {
+    detail::purge_announced(member, how, stale);
   }
   template <class Disposition, class Stale>
   static void purge(Slot&, const Disposition&, Stale&) {
@@ -1402,6 +1466,10 @@ struct edge_container {
   template <class Stale>
   static void purge(Container& member, on_retire::hold_edge, Stale& stale) {
     each(member, [&](auto* p) { stale.hold(p); });
+  }
+  template <class F, class How, class Stale>
+  static void purge(Container& member, const on_retire::announced_edge<F, How>& how, Stale& stale) {
+    detail::purge_announced(member, how, stale);
   }
   template <class Disposition, class Stale>
   static void purge(Container&, const Disposition&, Stale&) {
@@ -1930,30 +1998,39 @@ void participant<Env>::pass_quiescent_state() noexcept {
   passed = ++participants<Env>::of_this_thread().quiescent_states;
 }
 
-/// Makes @p part one of the calling thread's, its innermost at first, as long as this exists. They may end in
+/// Makes @p part one of the calling thread's, its innermost at first, from begin() to end(). They may end in
 /// any order: a `thread_local` mutator outlives automatic ones that were made before it.
 template <class Env>
 class participation {
  public:
-  explicit participation(participant<Env>& part) noexcept : part_(part) {
+  explicit participation(participant<Env>& part, bool at_once = true) noexcept : part_(part) {
+    if (at_once) begin();
+  }
+  ~participation() { end(); }
+  participation(const participation&) = delete;
+  participation& operator=(const participation&) = delete;
+
+  void begin() noexcept {
     auto& all = participants<Env>::of_this_thread();
     part_.outer = all.innermost;
     part_.number = ++all.last;
     all.innermost = &part_;
     all.current = part_.number;
+    has_begun_ = true;
   }
-  ~participation() {
+  void end() noexcept {
+    if (!has_begun_) return;
+    has_begun_ = false;
     auto& all = participants<Env>::of_this_thread();
     participant<Env>** at = &all.innermost;
     while (*at != nullptr && *at != &part_) at = &(*at)->outer;
     if (*at != nullptr) *at = part_.outer;
     all.current = all.innermost != nullptr ? all.innermost->number : 0;
   }
-  participation(const participation&) = delete;
-  participation& operator=(const participation&) = delete;
 
  private:
   participant<Env>& part_;
+  bool has_begun_ = false;
 };
 
 }  // namespace SLAMGC_SHARED
@@ -5462,6 +5539,21 @@ class rc_slot : private detail::counted_member<rc_slot<T, Env>> {
     detail::drop_reference(done ? expected : p);
     return done;
   }
+  /// For a function that takes a `T*&`, as an argument of its call: a plain pointer, which the slot refers to when this ends.
+  class edit_scope {
+   public:
+    explicit edit_scope(rc_slot& slot) noexcept : slot_(slot), p_(slot.get()) {}  ///< See edit().
+    ~edit_scope() { slot_ = p_; }                                                 ///< Stores it.
+    edit_scope(const edit_scope&) = delete;
+    edit_scope& operator=(const edit_scope&) = delete;
+    operator T*&() noexcept { return p_; }  ///< The pointer.
+
+   private:
+    rc_slot& slot_;
+    T* p_;
+  };
+  /// See edit_scope. What other threads store meanwhile is overwritten.
+  [[nodiscard]] edit_scope edit() & noexcept { return edit_scope(*this); }
   /// Becomes null.
   void reset() noexcept { *this = static_cast<T*>(nullptr); }
 
@@ -7265,11 +7357,11 @@ class basic_mutator {
       : record_(detail::domain_access::state_of(to).enter(name != nullptr ? name : "")),
         me_{nullptr,          &detail::domain_access::state_of(to), &record_, record_.door, false,
             how.never_reclaim},
-        roaming_(how.roaming) {
+        roaming_(how.roaming),
+        taking_part_(me_, !how.roaming) {
     SLAMGC_ASSERT(!(how.roaming && how.online),
                   (misuse{"makes a roaming mutator that is online", "mutator", this, 0}));
     me_.domain->retain();
-    if (!roaming_) taking_part_.emplace(me_);
     if (how.online && !roaming_) go_online();
   }
   /// Registers with default_domain().
@@ -7346,7 +7438,7 @@ class basic_mutator {
   friend struct detail::mutator_access;
 
   void go_online() noexcept {
-    if (roaming_) taking_part_.emplace(me_);
+    if (roaming_) taking_part_.begin();
     me_.domain->go_online(record_);
     me_.online = true;
     gave_up_borrowed();
@@ -7357,7 +7449,7 @@ class basic_mutator {
     me_.online = false;
     me_.publish();
     me_.domain->go_offline(record_);
-    if (roaming_) taking_part_.reset();
+    if (roaming_) taking_part_.end();
   }
   /// Only the checks of borrow.hpp want to know.
   void gave_up_borrowed() noexcept {
@@ -7369,7 +7461,7 @@ class basic_mutator {
   runtime::mutator_record<Env>& record_;
   runtime::participant<Env> me_;
   const bool roaming_;
-  std::optional<runtime::participation<Env>> taking_part_;
+  runtime::participation<Env> taking_part_;
 };
 
 namespace detail {
