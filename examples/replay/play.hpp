@@ -109,7 +109,7 @@ class actor {
     mine.cpu.add(static_cast<double>(cpu_nanoseconds_now() - cpu_ - waited_cpu_) / 1e6);
     inside_ = false;
   }
-  void finish_iteration() {
+  __attribute__((noinline)) void finish_iteration() {
     if (id_ == local_mapping) {
       if (current_ >= 0 && w_.keyframe(current_) != nullptr) mapping_work<S>(w_.keyframe(current_));
       const std::int64_t begin = nanoseconds_now();

@@ -172,18 +172,22 @@ std::string words(const report& what, const std::vector<const run_result*>& runs
       out += fmt::format("{}: had it gone on, it would have used deleted objects {} times.\n",
                          r->scheme, r->faults);
     if (!r->finished) continue;
-    if (r->compared)
-      out += r->differences.empty()
-                 ? fmt::format("{}: the map is the recorded one, kind by kind.\n", r->scheme)
-                 : fmt::format("{}: the map differs from the recorded one in {} kinds; {}\n",
-                               r->scheme, r->differences.size(), r->differences.front());
+    const char* const what_of_it = r->scheme == "leak" ? "the map" : "what lives of the map";
+    if (r->compared && r->differences.empty())
+      out += fmt::format("{}: {} is as recorded, kind by kind.\n", r->scheme, what_of_it);
+    if (r->compared && !r->differences.empty())
+      out += fmt::format("{}: {} is not as recorded in {} kinds; {}\n", r->scheme, what_of_it,
+                         r->differences.size(), r->differences.front());
     if (base != nullptr && base->finished && r->map_digest != base->map_digest)
       out += fmt::format("{}: its live map is not that of leak.\n", r->scheme);
-    if (r->scheme == "shared_ptr" && r->freed[0] + r->freed[1] < r->marked[0] + r->marked[1])
-      out += fmt::format(
-          "shared_ptr: {} of {} marked keyframes and {} of {} marked points are never freed, for "
-          "they keep each other.\n",
-          r->marked[0] - r->freed[0], r->marked[0], r->marked[1] - r->freed[1], r->marked[1]);
+    static const char* const kinds[] = {"keyframes", "points"};
+    for (std::size_t k = 0; k != 2; ++k)
+      if (r->scheme != "leak" && r->freed[k] < r->marked[k])
+        out += fmt::format("{}: {} of {} marked {} are never freed: references to them are left.\n",
+                           r->scheme, r->marked[k] - r->freed[k], r->marked[k], kinds[k]);
+    if (const thread_result* const t = thread_of(*r, role::tracking))
+      if (const std::uint64_t n = t->destroyed[0] + t->destroyed[1]; n != 0 && !r->counted)
+        out += fmt::format("{}: {} objects were destroyed by the tracking thread.\n", r->scheme, n);
   }
   return out;
 }

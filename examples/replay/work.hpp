@@ -11,6 +11,8 @@
 
 namespace replay {
 
+// Not inlined: the functions whose instructions scripts/count_replay counts.
+
 constexpr std::size_t most_local_keyframes = 80, best_neighbours = 10, candidates_per_point = 8;
 
 // Tracking: from the frame's matches to its local map, and new matches there.
@@ -32,7 +34,7 @@ class tracking_work {
     for (int i = 0; i != n; ++i)
       if (Point* const p = w.point(ids[i])) current_.push_back(S::template local_of<Point>(p));
   }
-  void end(world<S>& w, long frame, Frame* reference) {
+  __attribute__((noinline)) void end(world<S>& w, long frame, Frame* reference) {
     check_replaced(w);
     if (!given_ && reference != nullptr)  // as TrackReferenceKeyFrame
       for (auto& p : reference->GetMapPointMatches())
@@ -129,7 +131,7 @@ class tracking_work {
 
 // Local mapping: which of the neighbours are redundant, and the window of a bundle adjustment.
 template <class S>
-void mapping_work(KeyFrame<S>* current) {
+__attribute__((noinline)) void mapping_work(KeyFrame<S>* current) {
   std::uint64_t redundant = 0;
   const auto neighbours = current->GetBestCovisibilityKeyFrames(100);
   for (const auto& neighbour : neighbours) {

@@ -50,7 +50,7 @@ class world {
   Point* point(int id) { return id < 0 ? nullptr : S::raw(points[at(id)]); }
 
   // Those that change the map. Those of a frame or an iteration are the thread's own matter.
-  void apply(const step& x) {
+  __attribute__((noinline)) void apply(const step& x) {
     using k = step_kind;
     switch (x.kind) {
       case k::make_keyframe:
