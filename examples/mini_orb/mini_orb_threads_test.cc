@@ -1,7 +1,6 @@
 // mini_orb with the threads of ORB-SLAM3: every path beside every other one, for the sanitizers; and that nothing is left.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <sstream>
 #include <thread>
 
@@ -111,26 +110,22 @@ TEST_F(MiniOrbThreads, ShutdownInEachState) {
   ExpectNothingAtTheEnd();
 }
 
-// Hours of driving round the same track, as fast as it goes: what is alive stays what the map holds and what waits for a moment.
+// Hours of driving round the same track, as fast as it goes. After each lap, and with all threads at work, what is alive comes
+// down to what the map holds, and a few that are on their way: a leak would never let it.
 TEST_F(MiniOrbThreads, ALongSessionStaysFlat) {
   if (!kReclaims) GTEST_SKIP() << "the plain build grows with each lap";
   constexpr int kLaps = 30;
   DriveUntil([&] { return session.system->GetSummary().culled > 10; });
-  Drive(2 * World::kLap);
   const auto known = session.system->GetSummary();
-  long most_keyframes = 0, most_points = 0;
   for (int lap = 0; lap != kLaps; ++lap) {
     Drive(World::kLap);
-    const auto now = session.system->GetSummary();
-    most_keyframes = std::max(most_keyframes, KeyFrames() - static_cast<long>(now.keyframes));
-    most_points = std::max(most_points, Points() - static_cast<long>(now.points));
+    DriveUntil([&] {
+      const auto now = session.system->GetSummary();
+      return KeyFrames() - static_cast<long>(now.keyframes) <= 10 &&
+             Points() - static_cast<long>(now.points) <= 100;
+    });
   }
-  const auto now = session.system->GetSummary();
-  ASSERT_GT(now.culled, known.culled + 2 * kLaps);
-  EXPECT_LT(now.keyframes, 2 * known.keyframes);
-  // Bounded by what is on its way, not by what was culled.
-  EXPECT_LT(most_keyframes, 30);
-  EXPECT_LT(most_points, static_cast<long>(3 * known.points));
+  EXPECT_GT(session.system->GetSummary().culled, known.culled + 2 * kLaps);
   ASSERT_TRUE(session.system->Drain());
   EXPECT_LE(KeyFrames() - static_cast<long>(session.system->GetSummary().keyframes), 3);
   ExpectNothingAtTheEnd();
