@@ -117,7 +117,7 @@ struct deferred {
     slamgc::domain domain;
     template <class Described>
     struct root {
-      root(program& p, const char* name, Described& d) : root_(p.domain, name, d) {}
+      root(program& p, const char* label, Described& d) : root_(p.domain, label, d) {}
       slamgc::root root_;
     };
 
@@ -128,8 +128,8 @@ struct deferred {
 
   class thread {
    public:
-    thread(program& p, const char* name, role r)
-        : mutator_(p.domain, name,
+    thread(program& p, const char* label, role r)
+        : mutator_(p.domain, label,
                    slamgc::mutator_options{false, /*never_reclaim=*/r == role::tracking}) {}
     // Between two iterations the thread holds no pointer, and delays nobody.
     void begin() { online_.emplace(mutator_); }
@@ -141,7 +141,7 @@ struct deferred {
     }
     template <class Described>
     struct root {
-      root(thread& t, const char* name, Described& d) : root_(t.mutator_, name, d) {}
+      root(thread& t, const char* label, Described& d) : root_(t.mutator_, label, d) {}
       slamgc::root root_;
     };
 
