@@ -36,7 +36,6 @@
 #include "../rc_slot.hpp"
 #include "../registry.hpp"
 #include "../root.hpp"
-#include "../stats.hpp"
 
 namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
@@ -304,16 +303,18 @@ class session {
   /// No longer reclaims; so what walks through the map without its locks, as SaveAtlas does, may do so. Once no other
   /// thread uses the system: in Shutdown().
   void stop() { reclaimer_.reset(); }
-  /// Reclaims all that was marked and that nobody uses any more. Between two frames, by whoever tracks. Returns waited::refused on a thread
-  /// with a `thread` or a `frame`.
-  waited drain() {
-    for (;;) {
-      const std::uint64_t before = reclaimed();
-      if (const waited w = default_domain().drain(); w != waited::done) return w;
-      { const mutator::online_scope here(tracking_); }  // drops what the tracker keeps
-      const waited w = default_domain().drain();
-      if (w != waited::done || reclaimed() == before) return w;
+  /// Reclaims what was marked before and what nobody uses any more; what the tracker keeps, too. Between two frames, by whoever tracks. Returns
+  /// waited::refused on a thread with a `thread` or a `frame`. While other threads go on marking, it waits for a moment at which nothing
+  /// is left to be reclaimed, up to @p timeout.
+  waited drain(std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) {
+    // What the tracker lets go of may be all that kept other things that it keeps.
+    constexpr int rounds = 4;
+    waited result = default_domain().drain(timeout);
+    for (int i = 0; i != rounds && result == waited::done; ++i) {
+      { const mutator::online_scope here(tracking_); }
+      result = default_domain().drain(timeout);
     }
+    return result;
   }
   /// Ends: each part forgets what it refers to, maps are cleared, and what they held is reclaimed. No other thread uses the
   /// system any more, and no frame is open. Returns waited::done if nothing is left to be reclaimed.
@@ -331,9 +332,6 @@ class session {
  private:
   friend class frame;
 
-  static std::uint64_t reclaimed() {
-    return default_domain().stats().total(&type_stats::reclaimed);
-  }
   template <class Part>
   struct rooted final : detail::any_orb_slam_root {
     template <class Of>
