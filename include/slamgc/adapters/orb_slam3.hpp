@@ -8,13 +8,14 @@
 ///
 /// Nothing of ORB-SLAM3 is included here, and its classes are template parameters: a fork with other types compiles, too. Members
 /// that a system does not have (ORB-SLAM2 has fewer) are left out; a member that it has and that is not counted yet is left
-/// out as well, until session::start(), which refuses to compile.
+/// out as well, until session::add() and `thread` refuse to compile.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <thread>
 #include <tuple>
@@ -196,6 +197,7 @@ class thread {
   /// With the members of @p part, `*this` in Run(), that no lock guards: this thread drops stale references from them.
   template <class Part>
   thread(const char* name, Part& part) : thread(name) {
+    access::check<Part>();
     part_ = std::make_unique<rooted<Part>>(mutator_, name, part);
   }
   thread(const thread&) = delete;
@@ -232,7 +234,7 @@ class adjustment {
   adjustment(const adjustment&) = delete;
   adjustment& operator=(const adjustment&) = delete;
 
-  /// Runs @p f. On a thread with an adjustment nobody waits for it, and what is in the vectors @p pinned stays alive; @p f, and its
+  /// Runs @p f. On a thread with an adjustment, and no `thread` or `frame`, nobody waits for it, and what is in the vectors @p pinned stays alive; @p f, and its
   /// caller afterwards, use nothing else of the map that was read before. On other threads it just runs @p f, so that
   /// tracking may call `Optimizer::BundleAdjustment`, too. O(what is pinned).
   ///
@@ -287,7 +289,6 @@ class session {
   /// locks. Does not compile while a member of theirs, or of keyframes, points and maps, is a raw pointer. Throws std::bad_alloc.
   template <class Tracking, class... Parts>
   void add(Tracking& tracker, Parts&... parts) {
-    access::check<Tracking>();
     (..., access::check<Parts>());
     own(tracker);
     (..., roots_.push_back(std::make_unique<rooted<Parts>>(default_domain(), parts)));
@@ -295,14 +296,18 @@ class session {
   /// For a program that runs another part on tracking's thread.
   template <class Part>
   void own(Part& part) {
+    access::check<Part>();
     roots_.push_back(std::make_unique<rooted<Part>>(tracking_, part));
   }
   /// Begins to reclaim, on a thread of its own. Without it a program calls `slamgc::default_domain().collect()` itself.
   /// Throws what starting a thread throws.
   void start() { reclaimer_ = std::make_unique<background_reclaimer>(default_domain()); }
-  /// No longer reclaims; so what walks through the map without its locks, as SaveAtlas does, may do so. Once no other
-  /// thread uses the system: in Shutdown().
-  void stop() { reclaimer_.reset(); }
+  /// No longer reclaims; so what walks through the map without its locks, as SaveAtlas does, may do so. In Shutdown(); by any thread, and
+  /// more than once.
+  void stop() {
+    const std::lock_guard<std::mutex> lock(stopping_);
+    reclaimer_.reset();
+  }
   /// Reclaims what was marked before and what nobody uses any more; what the tracker keeps, too. Between two frames, by whoever tracks. Returns
   /// waited::refused on a thread with a `thread` or a `frame`. While other threads go on marking, it waits for a moment at which nothing
   /// is left to be reclaimed, up to @p timeout.
@@ -317,7 +322,8 @@ class session {
     return result;
   }
   /// Ends: each part forgets what it refers to, maps are cleared, and what they held is reclaimed. No other thread uses the
-  /// system any more, and no frame is open. Returns waited::done if nothing is left to be reclaimed.
+  /// system any more, and no frame is open. Returns waited::done if nothing is left that can be reclaimed: what the program pins
+  /// stays, see stats().
   template <class... Parts>
   waited end(Parts&... parts) {
     stop();
@@ -343,10 +349,11 @@ class session {
   mutator tracking_{"Tracking", {false, true, true}};
   std::vector<std::unique_ptr<detail::any_orb_slam_root>> roots_;
   std::unique_ptr<background_reclaimer> reclaimer_;
+  std::mutex stopping_;
 };
 
 /// One call of `System::TrackX`: the calling thread may use the map while this exists. Whichever thread calls, but one at a time.
-/// Two compare-and-swaps.
+/// One read-modify-write, and one for each type of which objects were marked in the frame.
 class frame {
  public:
   /// Goes online.

@@ -100,11 +100,15 @@ class orb_slam_members {
       } else {
         member(v, "mObservations", mp.mObservations, on_retire::erase);  // before one of them
       }
-      member(v, "mpRefKF", mp.mpRefKF, on_retire::bypass([&mp](auto& bad) {
-               auto* first = &bad;
-               first = mp.mObservations.empty() ? nullptr : mp.mObservations.begin()->first;
-               return first;
-             }));
+      // Used without a test while the point is good: it stays until there is another one.
+      if (mp.mObservations.empty())
+        member(v, "mpRefKF", mp.mpRefKF);
+      else
+        member(v, "mpRefKF", mp.mpRefKF, on_retire::bypass([&mp](auto& bad) {
+                 auto* first = &bad;
+                 first = mp.mObservations.begin()->first;
+                 return first;
+               }));
       member(v, "mpReplaced", mp.mpReplaced);  // tracking follows it in the next frame
     }
     in_map(v, mp);
@@ -115,14 +119,13 @@ class orb_slam_members {
     const lock all(m.mMutexMap);
     member(v, "mspKeyFrames", m.mspKeyFrames, on_retire::erase);
     member(v, "mspMapPoints", m.mspMapPoints, on_retire::erase);
-    member(v, "mvpKeyFrameOrigins", m.mvpKeyFrameOrigins, on_retire::erase);
     member(v, "mvpReferenceMapPoints", m.mvpReferenceMapPoints, on_retire::erase);
-    // Used without a test by an adjustment that goes on after a reset; the next keyframe takes its place.
+    // mvpKeyFrameOrigins has no lock in ORB-SLAM3: clear() empties it, and the map's end. The others are used without a test, by an
+    // adjustment that goes on after a reset, too; the next keyframe takes their place.
     optional(v, "mpKFinitial", m,
              [](auto& i) -> decltype((i.mpKFinitial)) { return i.mpKFinitial; });
-    optional(
-        v, "mpKFlowerID", m, [](auto& i) -> decltype((i.mpKFlowerID)) { return i.mpKFlowerID; },
-        on_retire::null);
+    optional(v, "mpKFlowerID", m,
+             [](auto& i) -> decltype((i.mpKFlowerID)) { return i.mpKFlowerID; });
   }
 
   /// Of a part of the system that refers to keyframes or points. Which part it is is seen from what it has.
@@ -220,8 +223,8 @@ class orb_slam_members {
     }
     (void)mutex, (void)v, (void)object;
   }
-  /// The parent of the bad parent of @p child, which becomes one of its children, if nobody is at work on these: to wait for that
-  /// could be a deadlock, and ORB-SLAM knows keyframes that are nobody's children.
+  /// The parent of the bad parent of @p child, which becomes one of its children if nobody is at work on these: to wait for that
+  /// could be a deadlock. Else it is nobody's child, as those of bad parents are in ORB-SLAM.
   template <class KeyFrame>
   static KeyFrame* parent_instead_of(KeyFrame& bad, KeyFrame& child) {
     KeyFrame* const next = bad.mpParent;

@@ -321,6 +321,24 @@ TEST_F(OrbSlam3Adapter, AReferenceKeyFrameIsReplacedByTheFirstObserver) {
   EXPECT_TRUE(slamgc::audit(slamgc::default_domain(), {true, std::chrono::seconds(1)}).agrees());
 }
 
+// A keyframe that was dropped with a queue, and not marked: its points stay good, and the program asks them for it.
+TEST_F(OrbSlam3Adapter, AGoodPointKeepsItsOnlyReferenceKeyFrame) {
+  MapPoint* point;
+  {
+    const frame here(slamgc_);
+    map = atlas.CreateNewMap();
+    KeyFrame* const dropped = Good(0);
+    point = new MapPoint;
+    map->AddMapPoint(point);
+    point->Observe(dropped);
+    map->EraseKeyFrame(dropped);
+    slamgc::retire(dropped);
+  }
+  EXPECT_EQ(slamgc_.drain(), waited::done);
+  ASSERT_NE(point->GetReferenceKeyFrame(), nullptr);
+  EXPECT_EQ(point->GetReferenceKeyFrame()->mnId, 0u);
+}
+
 TEST_F(OrbSlam3Adapter, AFrameMayBeTrackedByAnyThread) {
   std::thread([&] {
     const frame here(slamgc_);

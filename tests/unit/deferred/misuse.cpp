@@ -199,6 +199,13 @@ TEST_F(DeferredMisuse, CollectingOnARealTimeThreadIsReportedRefusedAndCounted) {
   EXPECT_EQ(domain_.collect().reclaimed, 1u);
 }
 
+TEST_F(DeferredMisuse, ARoamingMutatorOnTwoThreadsIsReported) {
+  mutator m(domain_, "m", {false, false, true});
+  const mutator::online_scope here(m);
+  std::thread([&] { const mutator::online_scope there(m); }).join();
+  expect("uses a mutator on two threads");
+}
+
 TEST_F(DeferredMisuse, AMutatorThatEndsOnAnotherThreadIsReported) {
   std::thread([this] {  // of its own: it is not fit for use afterwards
     auto here = std::make_unique<mutator>(domain_, "here");
