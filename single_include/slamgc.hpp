@@ -7369,11 +7369,8 @@ class basic_mutator {
       : basic_mutator(basic_default_domain<Env>(), name, how) {}
   /// The thread holds no borrowed pointer any more.
   ~basic_mutator() {
-    SLAMGC_ASSERT(
-        ((roaming_ && !me_.online) ||
-         runtime::participants<Env>::any_in(
-             *me_.domain, [this](const runtime::participant<Env>& p) { return &p == &me_; })),
-        (misuse{"ends a mutator on another thread than its own", "mutator", this, 0}));
+    SLAMGC_ASSERT(((roaming_ && !me_.online) || is_of_this_thread()),
+                  (misuse{"ends a mutator on another thread than its own", "mutator", this, 0}));
     if (me_.online) go_offline();
     while (me_.roots != nullptr) me_.roots->leave();
     me_.domain->leave(record_);
@@ -7420,6 +7417,8 @@ class basic_mutator {
    public:
     /// Goes online, if it is not.
     explicit online_scope(basic_mutator& m) noexcept : mutator_(m), was_online_(m.is_online()) {
+      SLAMGC_ASSERT(!was_online_ || m.is_of_this_thread(),
+                    (misuse{"uses a mutator on two threads", "mutator", &m, 0}));
       if (!was_online_) m.go_online();
     }
     /// Goes offline again, if it was.
@@ -7437,6 +7436,10 @@ class basic_mutator {
  private:
   friend struct detail::mutator_access;
 
+  bool is_of_this_thread() const noexcept {
+    return runtime::participants<Env>::any_in(
+        *me_.domain, [this](const runtime::participant<Env>& p) { return &p == &me_; });
+  }
   void go_online() noexcept {
     if (roaming_) taking_part_.begin();
     me_.domain->go_online(record_);
