@@ -114,7 +114,7 @@ TEST_F(MiniOrbThreads, ShutdownInEachState) {
 // down to what the map holds, and a few that are on their way: a leak would never let it.
 TEST_F(MiniOrbThreads, ALongSessionStaysFlat) {
   if (!kReclaims) GTEST_SKIP() << "the plain build grows with each lap";
-  constexpr int kLaps = 30;
+  constexpr int kLaps = 12;
   DriveUntil([&] { return session.system->GetSummary().culled > 10; });
   const auto known = session.system->GetSummary();
   for (int lap = 0; lap != kLaps; ++lap) {
