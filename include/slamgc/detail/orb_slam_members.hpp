@@ -260,10 +260,11 @@ class orb_slam_members {
     else if constexpr (has<P>([](auto& p) -> decltype((p.mvpLocalMap)) { return p.mvpLocalMap; }))
       return kind::drawer;
     else {
-      static_assert(
-          has<P>([](auto& p) -> decltype((p.mTrackedMapPoints)) { return p.mTrackedMapPoints; }),
-          "slamgc: this is no part of ORB-SLAM that refers to keyframes or points, or "
-          "`friend slamgc::orb_slam3::access;` is missing in it");
+      constexpr bool is_system =
+          has<P>([](auto& p) -> decltype((p.mTrackedMapPoints)) { return p.mTrackedMapPoints; });
+      static_assert(is_system,
+                    "slamgc: this is no part of ORB-SLAM that refers to keyframes or points, or "
+                    "`friend slamgc::orb_slam3::access;` is missing in it");
       return kind::system;
     }
   }
