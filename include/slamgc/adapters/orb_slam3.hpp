@@ -11,6 +11,7 @@
 /// out as well, until session::add() and `thread` refuse to compile.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -42,9 +43,13 @@ namespace slamgc {
 inline namespace SLAMGC_FLAVOUR {
 namespace detail {
 
-/// Ends with its owner.
-struct any_orb_slam_root {
-  virtual ~any_orb_slam_root() = default;
+/// A part of the system as a root.
+template <class Part>
+struct orb_slam_root {
+  template <class Of>
+  orb_slam_root(Of& of, const char* name, Part& p) : part{p}, place(of, name, part) {}
+  orb_slam_part<Part> part;
+  root place;
 };
 
 }  // namespace detail
@@ -198,7 +203,7 @@ class thread {
   template <class Part>
   thread(const char* name, Part& part) : thread(name) {
     access::check<Part>();
-    part_ = std::make_unique<rooted<Part>>(mutator_, name, part);
+    part_ = std::make_shared<detail::orb_slam_root<Part>>(mutator_, name, part);
   }
   thread(const thread&) = delete;
   thread& operator=(const thread&) = delete;
@@ -214,15 +219,8 @@ class thread {
  private:
   friend class adjustment;
 
-  template <class Part>
-  struct rooted final : detail::any_orb_slam_root {
-    rooted(mutator& owner, const char* name, Part& p) : part{p}, place(owner, name, part) {}
-    detail::orb_slam_part<Part> part;
-    root place;
-  };
-
   mutator mutator_;
-  std::unique_ptr<detail::any_orb_slam_root> part_;
+  std::shared_ptr<void> part_;  // an orb_slam_root; ends first
 };
 
 /// The thread of a global bundle adjustment, which may take minutes. See adjusting().
@@ -234,9 +232,9 @@ class adjustment {
   adjustment(const adjustment&) = delete;
   adjustment& operator=(const adjustment&) = delete;
 
-  /// Runs @p f. On a thread with an adjustment, and no `thread` or `frame`, nobody waits for it, and what is in the vectors @p pinned stays alive; @p f, and its
-  /// caller afterwards, use nothing else of the map that was read before. On other threads it just runs @p f, so that
-  /// tracking may call `Optimizer::BundleAdjustment`, too. O(what is pinned).
+  /// Runs @p f. On a thread with an adjustment, and no `thread` or `frame`, nobody waits for it, and what is in the vectors @p pinned
+  /// stays alive; @p f, and its caller afterwards, use nothing else of the map that was read before. On other threads it just
+  /// runs @p f, so that tracking may call `Optimizer::BundleAdjustment`, too. O(what is pinned).
   ///
   /// ```
   /// slamgc::orb_slam3::adjustment::optimize([&] { optimizer.optimize(nIterations); }, vpKFs, vpMP);
@@ -291,13 +289,13 @@ class session {
   void add(Tracking& tracker, Parts&... parts) {
     (..., access::check<Parts>());
     own(tracker);
-    (..., roots_.push_back(std::make_unique<rooted<Parts>>(default_domain(), parts)));
+    (..., put(default_domain(), parts));
   }
   /// For a program that runs another part on tracking's thread.
   template <class Part>
   void own(Part& part) {
     access::check<Part>();
-    roots_.push_back(std::make_unique<rooted<Part>>(tracking_, part));
+    put(tracking_, part);
   }
   /// Begins to reclaim, on a thread of its own. Without it a program calls `slamgc::default_domain().collect()` itself.
   /// Throws what starting a thread throws.
@@ -314,10 +312,12 @@ class session {
   waited drain(std::chrono::nanoseconds timeout = std::chrono::nanoseconds::max()) {
     // What the tracker lets go of may be all that kept other things that it keeps.
     constexpr int rounds = 4;
+    const auto begin = std::chrono::steady_clock::now();
     waited result = default_domain().drain(timeout);
     for (int i = 0; i != rounds && result == waited::done; ++i) {
       { const mutator::online_scope here(tracking_); }
-      result = default_domain().drain(timeout);
+      const std::chrono::nanoseconds gone = std::chrono::steady_clock::now() - begin;
+      result = default_domain().drain(timeout - std::min(timeout, gone));
     }
     return result;
   }
@@ -338,16 +338,13 @@ class session {
  private:
   friend class frame;
 
-  template <class Part>
-  struct rooted final : detail::any_orb_slam_root {
-    template <class Of>
-    rooted(Of& of, Part& p) : part{p}, place(of, access::name<Part>(), part) {}
-    detail::orb_slam_part<Part> part;
-    root place;
-  };
+  template <class Of, class Part>
+  void put(Of& of, Part& part) {
+    roots_.push_back(std::make_shared<detail::orb_slam_root<Part>>(of, access::name<Part>(), part));
+  }
 
   mutator tracking_{"Tracking", {false, true, true}};
-  std::vector<std::unique_ptr<detail::any_orb_slam_root>> roots_;
+  std::vector<std::shared_ptr<void>> roots_;  // orb_slam_roots
   std::unique_ptr<background_reclaimer> reclaimer_;
   std::mutex stopping_;
 };

@@ -388,6 +388,28 @@ TEST_F(OrbSlam3Adapter, AnAdjustmentPinsWhatItNeedsAndDelaysNobody) {
   EXPECT_EQ(KeyFrame::live(), 0);
 }
 
+// Another thread holds pointers all the while.
+TEST_F(OrbSlam3Adapter, DrainingEndsInTime) {
+  std::promise<void> online, through;
+  std::thread busy([&] {
+    slamgc::orb_slam3::thread me("busy");
+    online.set_value();
+    through.get_future().wait();
+  });
+  online.get_future().wait();
+  {
+    const frame here(slamgc_);
+    map = atlas.CreateNewMap();
+    Cull(Good(1));
+  }
+  EXPECT_EQ(slamgc_.drain(std::chrono::milliseconds(1)), waited::timed_out);
+  EXPECT_EQ(KeyFrame::live(), 1);
+  through.set_value();
+  busy.join();
+  EXPECT_EQ(slamgc_.drain(), waited::done);
+  EXPECT_EQ(KeyFrame::live(), 0);
+}
+
 TEST_F(OrbSlam3Adapter, OtherThreadsJustOptimize) {
   const frame here(slamgc_);
   map = atlas.CreateNewMap();
