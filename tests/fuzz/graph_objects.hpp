@@ -30,6 +30,8 @@ struct observer {
   virtual void begins(vertex& v) = 0;
   // In its destructor, while its members are still there.
   virtual void ends(vertex& v) noexcept = 0;
+  // It makes the record that is left of it.
+  virtual void buries(vertex&) {}
 
  protected:
   ~observer() = default;
@@ -61,10 +63,19 @@ namespace on = slamgc::on_retire;
 // What is retired, and stepped over, leads here.
 inline constexpr auto next_of = [](auto& retired) { return retired.next.get(); };
 
+// What is left of a keyframe.
+struct keyframe_record {
+  unsigned id = 0;
+  unsigned parent = 0;
+  slamgc::anchor<keyframe, keyframe_record> older_parent;  // else records could be a ring
+};
+
 struct keyframe : slamgc::rc_object<keyframe, slamgc::fetch_add_counter, slamgc::reclaim_retired>,
+                  slamgc::enable_anchor<keyframe, keyframe_record>,
                   vertex {
   explicit keyframe(observer& o);
   ~keyframe();
+  keyframe_record record();
   template <class F>
   void members(F f) {
     f("next", next, on::hold);  // the first one: see next_of
@@ -596,6 +607,13 @@ void board::edges(Visitor& v) {
 
 inline keyframe::keyframe(observer& o) : vertex(o, kind::keyframe) {}
 inline keyframe::~keyframe() { watched_by.ends(*this); }
+inline keyframe_record keyframe::record() {
+  const std::lock_guard<std::mutex> lock(mutex);
+  watched_by.buries(*this);
+  keyframe* const p = parent.get();
+  if (p == nullptr) return {id, 0, nullptr};
+  return {id, p->id, slamgc::anchor<keyframe, keyframe_record>(p->id < id ? p : nullptr)};
+}
 inline point::point(observer& o) : vertex(o, kind::point) {}
 inline point::~point() { watched_by.ends(*this); }
 inline map::map(observer& o) : vertex(o, kind::map) {}

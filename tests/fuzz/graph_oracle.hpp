@@ -30,6 +30,7 @@ class oracle : public observer {
     unsigned dropped = 0;  // by registries; a collector may still count so many references
     std::vector<std::vector<reference>> members;
     std::uint8_t last_words = 0;  // what its destructor does
+    unsigned recorded_parent = 0;
     // Boards:
     bool has_root = false;
     bool is_owned = false;  // the root, by a mutator
@@ -58,6 +59,12 @@ class oracle : public observer {
   }
   // It has its members now.
   void made(vertex& v) { of(v).members.resize(members_of(v).size()); }
+
+  // Members are as they were, or severing has not begun.
+  void buries(vertex& v) final {
+    const std::vector<reference>& parent = of(v).members[keyframe_parent];
+    of(v).recorded_parent = parent.empty() ? 0 : parent[0].target->id;
+  }
 
   template <class Change>
   void change(vertex& v, std::size_t index, Change f) {
@@ -235,7 +242,8 @@ class oracle : public observer {
   }
 
  protected:
-  static constexpr std::size_t frame_previous = 2;  // the member of that name
+  static constexpr std::size_t frame_previous = 2;   // the member of that name
+  static constexpr std::size_t keyframe_parent = 1;  // the member of that name, which nobody purges
 
   [[noreturn]] virtual void fail(const vertex& v, const char* what) = 0;
 

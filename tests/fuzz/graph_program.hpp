@@ -73,8 +73,10 @@ class program final : public oracle {
     vertex* object = nullptr;
     std::size_t borrowed_by = 0;
   };
-  struct thread_part {
-    std::unique_ptr<slamgc::mutator> mutator;
+  struct anchor {
+    using handle = slamgc::anchor<keyframe, keyframe_record>;
+    handle to;
+    unsigned id = 0;
   };
   static constexpr std::size_t boards = 3;
   static constexpr std::size_t most_objects = 80;
@@ -123,6 +125,7 @@ class program final : public oracle {
       add(1, &program::collect_cycles_of_board);
       add(1, &program::register_anew);
       add(1, &program::settle);
+      add(3, &program::use_anchor);
       return list;
     }();
     return all;
@@ -422,6 +425,48 @@ class program final : public oracle {
       retire(*pin);
     });
   }
+  // Anchors a keyframe, or borrows one through its anchor.
+  void use_anchor() {
+    const unsigned how = next();
+    anchor& a = anchors_[how / 2 % anchors_.size()];
+    if (how % 2 == 0) {
+      vertex* const v = any_object_of(kind::keyframe);
+      if (v == nullptr) return;
+      say("%s is anchored", words(*v));
+      a = {anchor::handle(static_cast<keyframe*>(v)), v->id};
+      return;
+    }
+    const auto by = any_borrower();
+    if (!by) return;
+    if (const slamgc::intrusive_rc<keyframe> object = a.to.lock()) {
+      say("mutator %zu borrows %s, which is anchored", *by, words(*object));
+      if (object->canary != vertex::intact || of(*object).object != object.get())
+        fail(*object, "is destroyed, and an anchor refers to it");
+      of(*object).was_counted = true;
+      borrow(*object, *by);
+    }
+  }
+  // An anchor gives the object, or the record that it left, and those of its parents.
+  void check_anchors() {
+    for (const anchor& a : anchors_) {
+      if (!a.to) continue;
+      check_anchor(a.to, a.id);
+    }
+  }
+  void check_anchor(const anchor::handle& to, unsigned id) {
+    const keyframe_record* const r = to.record();
+    if (r == nullptr) {
+      if (of(id).object == nullptr) fail("an anchor of a destroyed object has no record");
+      return;
+    }
+    if (of(id).object != nullptr && !of(id).retired)
+      fail(*of(id).object, "is not retired, and left a record");
+    if (r->id != id || r->parent != of(id).recorded_parent)
+      fail("a record is not what the object left");
+    if (bool(r->older_parent) != (r->parent != 0 && r->parent < id))
+      fail("a record has lost its parent");
+    if (r->older_parent) check_anchor(r->older_parent, r->parent);
+  }
   void set_last_words() {
     vertex* const v = any_object();
     const unsigned what = next();
@@ -606,6 +651,7 @@ class program final : public oracle {
     }
     end_suspicions();
     check_settled();
+    check_anchors();
     for (std::size_t m = 0; m != mutators_.size(); ++m)
       if (were_online[m]) online_[m].emplace(*mutators_[m]);
   }
@@ -822,6 +868,7 @@ class program final : public oracle {
   std::array<std::size_t, boards> owner_of_root_{};
   std::array<handle, 16> handles_;
   std::tuple<pins_of<keyframe>, pins_of<point>, pins_of<map>, pins_of<frame>> pins_;
+  std::array<anchor, 4> anchors_;
   std::optional<std::size_t> owner_borrowed_by_;  // of the last operand
   std::size_t last_handle_ = 0;
   std::size_t done_ = 0;
