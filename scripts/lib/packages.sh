@@ -22,7 +22,7 @@ packages_of() {
       # libFuzzer comes with the runtime libraries of the clang that was chosen.
       [[ ${SLAMGC_CLANGXX:-} != clang++-[0-9]* ]] || echo "?libclang-rt-${SLAMGC_CLANGXX#clang++-}-dev"
       ;;
-    coverage)
+    gcc-oldest)
       packages_of gtest
       echo gcovr=gcovr
       ;;

@@ -125,7 +125,8 @@ class program final : public oracle {
       add(1, &program::collect_cycles_of_board);
       add(1, &program::register_anew);
       add(1, &program::settle);
-      add(3, &program::use_anchor);
+      add(2, &program::anchor_one);
+      add(1, &program::borrow_anchored);
       return list;
     }();
     return all;
@@ -425,20 +426,19 @@ class program final : public oracle {
       retire(*pin);
     });
   }
-  // Anchors a keyframe, or borrows one through its anchor.
-  void use_anchor() {
-    const unsigned how = next();
-    anchor& a = anchors_[how / 2 % anchors_.size()];
-    if (how % 2 == 0) {
-      vertex* const v = any_object_of(kind::keyframe);
-      if (v == nullptr) return;
-      say("%s is anchored", words(*v));
-      a = {anchor::handle(static_cast<keyframe*>(v)), v->id};
-      return;
-    }
+  void anchor_one() {
+    const unsigned which = next();
+    vertex* const v = any_object_of(kind::keyframe);
+    if (v == nullptr) return;
+    say("%s is anchored", words(*v));
+    anchors_[which % anchors_.size()] = {anchor::handle(static_cast<keyframe*>(v)), v->id};
+  }
+  void borrow_anchored() {
     const auto by = any_borrower();
     if (!by) return;
-    if (const slamgc::intrusive_rc<keyframe> object = a.to.lock()) {
+    for (const anchor& a : anchors_) {
+      const slamgc::intrusive_rc<keyframe> object = a.to.lock();
+      if (object == nullptr) continue;
       say("mutator %zu borrows %s, which is anchored", *by, words(*object));
       if (object->canary != vertex::intact || of(*object).object != object.get())
         fail(*object, "is destroyed, and an anchor refers to it");
