@@ -5,6 +5,7 @@ function(slamgc_docs_test name)
 endfunction()
 
 slamgc_docs_test(memory_orders Python3::Interpreter scripts/check_memory_orders)
+slamgc_docs_test(locks Python3::Interpreter scripts/check_locks)
 slamgc_docs_test(readme Python3::Interpreter scripts/check_readme)
 slamgc_docs_test(mutants Python3::Interpreter tests/tools/order_mutants --list)
 
