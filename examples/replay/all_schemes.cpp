@@ -12,6 +12,9 @@ run_result run_mutex_all(const run_request&);
 run_result run_cas_all(const run_request&);
 run_result run_fetch_add_all(const run_request&);
 run_result run_deferred(const run_request&);
+#if defined(REPLAY_WITH_RCU)
+run_result run_rcu(const run_request&);
+#endif
 
 const std::vector<scheme_entry>& all_schemes() {
   static const std::vector<scheme_entry> all = {
@@ -30,6 +33,9 @@ const std::vector<scheme_entry>& all_schemes() {
       {"mutex_all", "as mutex_subset, every member counted", false, run_mutex_all},
       {"cas_all", "as cas_subset, every member counted", false, run_cas_all},
       {"fetch_add_all", "fetch_add, every member counted, retire set", false, run_fetch_add_all},
+#if defined(REPLAY_WITH_RCU)
+      {"rcu", "plain pointers, delete after a grace period: liburcu, for comparison", true, run_rcu},
+#endif
       {"deferred",
        "slamgc: every member counted, plain locals, quiescent states, purges, trial deletion",
        false, run_deferred},
