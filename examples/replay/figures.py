@@ -15,6 +15,7 @@ from results import KINDS, percent_freed, percent_more, thread  # noqa: E402
 OURS, THEIRS, OTHERS, GREY = "#1a7f37", "#d97706", "#7a9cc6", "#9a9a9a"
 LINES = {"leak": ("#b42318", 1.8), "deferred": (OURS, 2.6), "shared_ptr": ("#7a5195", 1.3), "shared_ptr_weak": ("#bc5090", 1.3),
          "mutex_all": ("#58508d", 1.1), "cas_all": ("#003f5c", 1.1), "fetch_add_all": ("#2a78b5", 1.3), "boehm": (THEIRS, 1.3)}
+CALLED = {"leak": "leak (ORB-SLAM3)", "deferred": "deferred (slamgc)"}
 RF, CAS = "mutex_subset", "cas_subset"  # as the thesis calls what these schemes are
 
 
@@ -36,7 +37,7 @@ def memory(results, runs, size=(9.6, 3.8)):
     for scheme, run in drawn.items():
         line, width = LINES.get(scheme, (GREY, 1.1))
         axis.plot([s["frames"] * session["seconds"] / session["frames"] for s in run["samples"]],
-                  [s["live_bytes"] / 1e6 for s in run["samples"]], label=scheme, linewidth=width, color=line)
+                  [s["live_bytes"] / 1e6 for s in run["samples"]], label=CALLED.get(scheme, scheme), linewidth=width, color=line)
     axis.set_xlabel("seconds of the recorded session")
     axis.set_ylabel("MB in use")
     axis.set_ylim(bottom=0)
@@ -66,6 +67,24 @@ def over_laps(results, runs):
     axis.legend()
     ends = ", ".join(f"{s} {r['lap_live'][0] / 1e6:.1f} and {r['lap_live'][-1] / 1e6:.1f} MB" for s, r in drawn.items())
     return figure, f"In use after the reset that ends each lap. After the first and the last: {ends}."
+
+
+def soak(_, runs):
+    """Over the time that it took."""
+    figure, axis = plt.subplots(figsize=(9, 3))
+    laps = 0
+    for scheme, run in runs.items():
+        samples, laps = run["samples"], len(run["lap_live"])
+        axis.plot([s["seconds"] / 60 for s in samples], [s["live_bytes"] / 1e6 for s in samples], color=LINES.get(scheme, (GREY, 1))[0],
+                  linewidth=0.6, label=f"{scheme}, while it plays")
+        ends = [run["seconds"] / 60 * (i + 1) / laps for i in range(laps)]
+        axis.plot(ends, [b / 1e6 for b in run["lap_live"]], ".", color="black", markersize=3, label="after the reset of each lap")
+    axis.set_xlabel("minutes")
+    axis.set_ylabel("MB in use")
+    axis.set_ylim(bottom=0)
+    axis.set_xlim(left=0)
+    axis.legend(loc="lower left", bbox_to_anchor=(0, 1), ncol=2)
+    return figure, f"{laps} laps."
 
 
 def maps(results, runs):
