@@ -60,7 +60,8 @@ def over_laps(results, runs):
     figure, axis = plt.subplots(figsize=(9, 3))
     for scheme, run in drawn.items():
         line, width = LINES.get(scheme, (GREY, 1.1))
-        axis.plot(range(1, len(run["lap_live"]) + 1), [b / 1e6 for b in run["lap_live"]], label=scheme, linewidth=width, color=line)
+        axis.plot(range(1, len(run["lap_live"]) + 1), [b / 1e6 for b in run["lap_live"]], label=CALLED.get(scheme, scheme), linewidth=width, color=line)
+    axis.xaxis.get_major_locator().set_params(integer=True)
     axis.set_xlabel("laps, the map reset after each")
     axis.set_ylabel("MB in use")
     axis.set_ylim(bottom=0)
