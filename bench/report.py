@@ -98,6 +98,14 @@ def pyplot():
     return matplotlib.pyplot
 
 
+def replace_between(file, part, lines):
+    """What is between the markers of this part."""
+    begin, end = "<!-- begin {} -->".format(part), "<!-- end {} -->".format(part)
+    before, rest = file.read_text().split(begin, 1)
+    after = rest.split(end, 1)[1]
+    file.write_text("\n".join([before + begin, *lines, end + after]))
+
+
 def main(description, part, read, report, plot, picture):
     """`read(directory)` makes results, of which `report(results, with_plot)` makes lines."""
     parser = argparse.ArgumentParser(description=description,
@@ -110,8 +118,4 @@ def main(description, part, read, report, plot, picture):
         print("\n".join(report(results, False)))
         return
     drawn = plot(results, arguments.write.parent / picture)
-    begin, end = "<!-- begin {} -->".format(part), "<!-- end {} -->".format(part)
-    before, rest = arguments.write.read_text().split(begin, 1)
-    after = rest.split(end, 1)[1]
-    arguments.write.write_text("\n".join(
-        [before + begin, "", *report(results, drawn), "", end + after]))
+    replace_between(arguments.write, part, ["", *report(results, drawn), ""])

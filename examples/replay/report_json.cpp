@@ -2,6 +2,7 @@
 
 #include <sys/utsname.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <slamgc/version.hpp>
@@ -70,6 +71,14 @@ json session_json(const session& s) {
       keyframes.push_back({{"id", i},
                            {"position", {s.poses[i][0], s.poses[i][1], s.poses[i][2]}},
                            {"culled", s.is_marked[i] != 0}});
+  json points = json::array();
+  std::string points_culled;  // a digit for each
+  const auto millimetres = [](float metres) { return std::round(double{metres} * 1e3) / 1e3; };
+  for (std::size_t i = 0; i != s.positions.size(); ++i) {
+    const auto& p = s.positions[i];
+    points.push_back({millimetres(p[0]), millimetres(p[1]), millimetres(p[2])});
+    points_culled += s.is_marked_point[i] != 0 ? '1' : '0';
+  }
   return {{"name", s.name},
           {"about", s.about},
           {"frames", s.frames},
@@ -77,7 +86,9 @@ json session_json(const session& s) {
           {"steps", s.steps.size()},
           {"inserted", {s.inserted_keyframes, s.inserted_points}},
           {"marked", {s.marked_keyframes, s.marked_points}},
-          {"keyframes", keyframes}};
+          {"keyframes", keyframes},
+          {"points", points},
+          {"points_culled", points_culled}};
 }
 
 json thesis_json() {

@@ -314,6 +314,7 @@ session make_session(const trace& from) {
   s.points = from.points;
   s.poses = from.poses;
   s.has_pose = from.has_pose;
+  s.positions = from.positions;
   if (from.format == trace_format::edges)
     add_steps_of_edges(from, s);
   else

@@ -65,6 +65,7 @@ struct session {
   std::int64_t duration = 0;                               // microseconds
   std::vector<std::array<float, 7>> poses;                 // by keyframe
   std::vector<char> has_pose, is_marked, is_marked_point;  // by keyframe; the last by point
+  std::vector<std::array<float, 3>> positions;             // by point; empty: not known
   std::vector<std::vector<std::uint8_t>> octaves;          // by keyframe and feature
 };
 

@@ -9,12 +9,14 @@ packages_of() {
   case "$1" in
     build) echo cmake=cmake ninja-build=ninja ;;
     demo) echo g++=c++ '?zlib1g-dev' '?libcli11-dev' '?nlohmann-json3-dev' '?libfmt-dev' ;;
+    replay) echo g++=c++ zlib1g-dev=/usr/include/zlib.h libcli11-dev=/usr/include/CLI/CLI.hpp nlohmann-json3-dev=/usr/include/nlohmann/json.hpp libfmt-dev=/usr/include/fmt/format.h '?liburcu-dev=/usr/include/urcu-qsbr.h' ;;
+    report) echo python3=python3 '?python3-matplotlib' ;;
     pictures) echo graphviz=dot ;;
     gtest) echo python3=python3 patch=patch libgtest-dev=/usr/include/gtest/gtest.h '?graphviz=dot' ;;
     docs) echo python3=python3 doxygen=doxygen '?clang-format-14' '?clang-tidy-14' '?shellcheck' ;;
     gcc-release)
       packages_of gtest
-      echo pkg-config=pkg-config libboost-dev=/usr/include/boost/version.hpp valgrind=valgrind libbenchmark-dev '?relacy-dev' '?python3-matplotlib' '?zlib1g-dev' '?libcli11-dev' '?nlohmann-json3-dev' '?libfmt-dev'
+      echo pkg-config=pkg-config libboost-dev=/usr/include/boost/version.hpp valgrind=valgrind libbenchmark-dev '?relacy-dev' '?python3-matplotlib' '?zlib1g-dev' '?libcli11-dev' '?nlohmann-json3-dev' '?libfmt-dev' '?chromium=chromium'
       ;;
     benchmark) echo python3=python3 libboost-dev libbenchmark-dev valgrind=valgrind '?zlib1g-dev' '?python3-matplotlib' '?liburcu-dev' '?libxenium-dev' '?libcds-dev' ;;
     clang)
