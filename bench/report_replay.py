@@ -109,7 +109,7 @@ def report(results, drawn):
     yield "### Bars of the replay"
     yield ""
     yield ("`deferred` compared with `leak` of the same repetition; the median, and in parentheses its 95 % confidence interval "
-           "(repetitions: {}, schemes in turn; of fewer than three nothing is concluded). Instructions are exact.".format(len(of_scheme(results.schemes, "leak"))))
+           "(repetitions: {}, schemes in turn; of fewer than three nothing is concluded). Instructions are counted by callgrind, with one thread.".format(len(of_scheme(results.schemes, "leak"))))
     yield ""
     yield from bars(results)
     yield "### The embedded session"
@@ -130,7 +130,7 @@ def report(results, drawn):
     yield "### All recorded sessions"
     yield ""
     yield ("By one thread, in the recorded order. *As recorded*: what lives at the end is what the recorded system had in memory, kind by kind; "
-           "`leak` is compared whole.")
+           "`leak` is compared whole. A graph marks nothing; what it shows is what is left after the reset.")
     yield ""
     rows = []
     for name, rs in results.in_order.items():
