@@ -16,7 +16,7 @@ packages_of() {
     docs) echo python3=python3 doxygen=doxygen '?clang-format-14' '?clang-tidy-14' '?shellcheck' ;;
     gcc-release)
       packages_of gtest
-      echo pkg-config=pkg-config libboost-dev=/usr/include/boost/version.hpp valgrind=valgrind libbenchmark-dev '?relacy-dev' '?python3-matplotlib' '?zlib1g-dev' '?libcli11-dev' '?nlohmann-json3-dev' '?libfmt-dev' '?chromium=chromium'
+      echo pkg-config=pkg-config libboost-dev=/usr/include/boost/version.hpp valgrind=valgrind libbenchmark-dev '?relacy-dev' '?python3-matplotlib' '?zlib1g-dev' '?libcli11-dev' '?nlohmann-json3-dev' '?libfmt-dev' '?chromium=chromium' '?liburcu-dev=/usr/include/urcu-qsbr.h'
       ;;
     benchmark) echo python3=python3 libboost-dev libbenchmark-dev valgrind=valgrind '?zlib1g-dev' '?python3-matplotlib' '?liburcu-dev' '?libxenium-dev' '?libcds-dev' ;;
     clang)
