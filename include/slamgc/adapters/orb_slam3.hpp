@@ -13,6 +13,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -50,6 +52,38 @@ struct orb_slam_root {
   orb_slam_root(Of& of, const char* name, Part& p) : part{p}, place(of, name, part) {}
   orb_slam_part<Part> part;
   root place;
+};
+
+/// The global bundle adjustments that were asked for and have not ended.
+class orb_slam_adjustments {
+ public:
+  /// Those of the process.
+  static orb_slam_adjustments& all() {
+    static orb_slam_adjustments instance;
+    return instance;
+  }
+  /// One more, until the last copy of what this returns is gone.
+  std::shared_ptr<void> begin() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    std::shared_ptr<void> one(this, [](orb_slam_adjustments* all) { all->end(); });
+    ++running_;
+    return one;
+  }
+  /// Waits until there is none.
+  void wait() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    none_.wait(lock, [this] { return running_ == 0; });
+  }
+
+ private:
+  void end() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (--running_ == 0) none_.notify_all();
+  }
+
+  std::mutex mutex_;
+  std::condition_variable none_;
+  std::size_t running_ = 0;
 };
 
 }  // namespace detail
@@ -199,19 +233,25 @@ class thread {
  public:
   /// @p name stays valid, as a string literal does. Throws std::bad_alloc.
   explicit thread(const char* name) : mutator_(name, {true, true, false}) {}
-  /// With the members of @p part, `*this` in Run(), that no lock guards: this thread drops stale references from them.
+  /// With the members of @p part, `*this` in Run(), that no lock guards: this thread drops stale references from them, and
+  /// empties those that need not be counted, since it alone uses them, whenever it holds no pointer.
   template <class Part>
   thread(const char* name, Part& part) : thread(name) {
-    access::check<Part>();
+    access::check_own_thread<Part>();
     part_ = std::make_shared<detail::orb_slam_root<Part>>(mutator_, name, part);
+    forget_ = [&part] { access::forget(part); };
   }
   thread(const thread&) = delete;
   thread& operator=(const thread&) = delete;
 
   /// The thread holds no pointer now.
-  void quiescent() noexcept { mutator_.quiescent(); }
+  void quiescent() {
+    if (forget_) forget_();
+    mutator_.quiescent();
+  }
   /// Sleeps so many microseconds. The thread holds no pointer meanwhile.
   void usleep(unsigned microseconds) {
+    if (forget_) forget_();
     const mutator::offline_scope offline(mutator_);
     std::this_thread::sleep_for(std::chrono::microseconds(microseconds));
   }
@@ -220,7 +260,8 @@ class thread {
   friend class adjustment;
 
   mutator mutator_;
-  std::shared_ptr<void> part_;  // an orb_slam_root; ends first
+  std::function<void()> forget_;  // what the part's raw members refer to
+  std::shared_ptr<void> part_;    // an orb_slam_root; ends first
 };
 
 /// The thread of a global bundle adjustment, which may take minutes. See adjusting().
@@ -266,18 +307,21 @@ class adjustment {
 /// ```
 template <class Map, class F, class... Args>
 [[nodiscard]] auto adjusting(Map* pMap, F f, Args... args) {
-  return [pinned = pin<Map>(pMap), f, args...]() mutable {
-    const adjustment me;
-    std::invoke(f, args...);
-    pinned.reset();
+  return [running = detail::orb_slam_adjustments::all().begin(), pinned = pin<Map>(pMap), f,
+          args...]() mutable {
+    {
+      const adjustment me;
+      std::invoke(f, args...);
+      pinned.reset();
+    }
+    running.reset();
   };
 }
 
 /// Reclaims what ORB-SLAM3 marks: a member of `System`.
 ///
 /// ```
-/// mSlamgc.add(*mpTracker, *this, *mpAtlas, *mpFrameDrawer);  // in System's constructor
-/// mSlamgc.start();
+/// mSlamgc.start(*mpTracker, *this, *mpAtlas, *mpFrameDrawer);                     // in System's constructor
 /// const slamgc::orb_slam3::frame here(mSlamgc);                                   // first line of each TrackX
 /// mSlamgc.end(*mpTracker, *this, *mpLocalMapper, *mpLoopCloser, *mpAtlas, *mpFrameDrawer);  // ~System
 /// ```
@@ -290,6 +334,12 @@ class session {
     (..., access::check<Parts>());
     own(tracker);
     (..., put(default_domain(), parts));
+  }
+  /// add(), and start().
+  template <class Tracking, class... Parts>
+  void start(Tracking& tracker, Parts&... parts) {
+    add(tracker, parts...);
+    start();
   }
   /// For a program that runs another part on tracking's thread.
   template <class Part>
@@ -321,12 +371,14 @@ class session {
     }
     return result;
   }
-  /// Ends: each part forgets what it refers to, maps are cleared, and what they held is reclaimed. No other thread uses the
-  /// system any more, and no frame is open. Returns waited::done if nothing is left that can be reclaimed: what the program pins
-  /// stays, see stats().
+  /// Ends: a global bundle adjustment that still runs is asked to stop, and waited for, if adjusting() began it; each part forgets what
+  /// it refers to, maps are cleared, and what they held is reclaimed. No other thread uses the system any more, and no frame
+  /// is open. Returns waited::done if nothing is left that can be reclaimed: what the program pins stays, see stats().
   template <class... Parts>
   waited end(Parts&... parts) {
     stop();
+    (..., access::stop_adjustment(parts));
+    detail::orb_slam_adjustments::all().wait();
     roots_.clear();
     {
       const thread here("System");

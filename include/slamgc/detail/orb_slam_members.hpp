@@ -150,7 +150,28 @@ class orb_slam_members {
   /// Does not compile while a member of the part, or of an object to which that leads, is not counted.
   template <class Part>
   static void check() {
-    (void)&check_part<Part>;
+    (void)&check_part<completeness, Part>;
+  }
+  /// The same, of a part whose thread calls forget().
+  template <class Part>
+  static void check_own_thread() {
+    (void)&check_part<completeness_but_scratch, Part>;
+  }
+  /// Empties what is not counted since only the part's thread uses it, between two of its quiescent states.
+  template <class Part>
+  static void forget(Part& p) {
+    forgetting all;
+    part(all, p);
+  }
+  /// Asks a global bundle adjustment to stop, if the part runs one.
+  template <class Part>
+  static void stop_adjustment(Part& p) {
+    const auto stop = [](auto& l) -> decltype((l.mbStopGBA)) { return l.mbStopGBA; };
+    if constexpr (std::is_invocable<decltype(stop), Part&>::value) {
+      const lock adjustment(p.mMutexGBA);
+      stop(p) = true;
+    }
+    (void)stop, (void)p;
   }
   /// The part forgets what it refers to, and its maps end.
   template <class Part>
@@ -186,9 +207,22 @@ class orb_slam_members {
       });
     }
   };
-  template <class Part>
-  static void check_part(completeness& v, Part& p) {
+  struct completeness_but_scratch : completeness {};
+  template <class Completeness, class Part>
+  static void check_part(Completeness& v, Part& p) {
     part(v, p);
+  }
+  struct forgetting {
+    template <class Member, class Disposition = on_retire::hold_edge>
+    void edge(const char*, Member&, const Disposition& = {}) {}
+  };
+  template <class T>
+  static void empty(T*& p) {
+    p = nullptr;
+  }
+  template <class Container>
+  static void empty(Container& c) {
+    c.clear();
   }
   template <class T>
   static void check_object(completeness& v, T& object) {
@@ -201,7 +235,7 @@ class orb_slam_members {
       v.edge(name, m, how);
     else
       static_assert(
-          !std::is_same<Visitor, completeness>::value,
+          !std::is_base_of<completeness, Visitor>::value,
           "slamgc: a member of ORB-SLAM is not counted yet; the compiler says below which "
           "one, docs/orb-slam3.md what its type becomes");
     (void)v, (void)name, (void)m, (void)how;
@@ -211,6 +245,18 @@ class orb_slam_members {
   static void optional(Visitor& v, const char* name, Of& of, const In& in,
                        const Disposition& how = {}) {
     if constexpr (std::is_invocable<In, Of&>::value) member(v, name, in(of), how);
+    (void)v, (void)name, (void)of, (void)in, (void)how;
+  }
+  /// A member that the part's thread writes before it reads it, each time it comes along: if it is not counted, forget() empties it.
+  template <class Visitor, class Of, class In, class Disposition>
+  static void scratch(Visitor& v, const char* name, Of& of, const In& in, const Disposition& how) {
+    if constexpr (std::is_invocable<In, Of&>::value) {
+      using type = std::remove_reference_t<std::invoke_result_t<In, Of&>>;
+      if constexpr (is_counted<type>::value || std::is_same<Visitor, completeness>::value)
+        member(v, name, in(of), how);
+      else if constexpr (std::is_same<Visitor, forgetting>::value)
+        empty(in(of));
+    }
     (void)v, (void)name, (void)of, (void)in, (void)how;
   }
   /// In ORB-SLAM2 there is one map, which nobody counts.
@@ -323,9 +369,14 @@ class orb_slam_members {
       const lock queue(l.mMutexLoopQueue);
       member(v, "mlpLoopKeyFrameQueue", l.mlpLoopKeyFrameQueue, on_retire::erase);
     }
-    member(v, "mpCurrentKF", l.mpCurrentKF, on_retire::null);
-    member(v, "mvpCurrentConnectedKFs", l.mvpCurrentConnectedKFs, on_retire::erase);
-    optional(
+    scratch(
+        v, "mpCurrentKF", l, [](auto& c) -> decltype((c.mpCurrentKF)) { return c.mpCurrentKF; },
+        on_retire::null);
+    scratch(
+        v, "mvpCurrentConnectedKFs", l,
+        [](auto& c) -> decltype((c.mvpCurrentConnectedKFs)) { return c.mvpCurrentConnectedKFs; },
+        on_retire::erase);
+    scratch(
         v, "mpLastCurrentKF", l,
         [](auto& c) -> decltype((c.mpLastCurrentKF)) { return c.mpLastCurrentKF; },
         on_retire::null);
@@ -345,47 +396,53 @@ class orb_slam_members {
         v, "mpMergeMatchedKF", l,
         [](auto& c) -> decltype((c.mpMergeMatchedKF)) { return c.mpMergeMatchedKF; },
         on_retire::null);
-    optional(
+    scratch(
         v, "mvpLoopMPs", l, [](auto& c) -> decltype((c.mvpLoopMPs)) { return c.mvpLoopMPs; },
         on_retire::erase);
-    optional(
+    scratch(
         v, "mvpLoopMatchedMPs", l,
         [](auto& c) -> decltype((c.mvpLoopMatchedMPs)) { return c.mvpLoopMatchedMPs; },
         on_retire::null);
-    optional(
+    scratch(
         v, "mvpLoopMapPoints", l,
         [](auto& c) -> decltype((c.mvpLoopMapPoints)) { return c.mvpLoopMapPoints; },
         on_retire::erase);
-    optional(
+    scratch(
         v, "mvpMergeMPs", l, [](auto& c) -> decltype((c.mvpMergeMPs)) { return c.mvpMergeMPs; },
         on_retire::erase);
-    optional(
+    scratch(
         v, "mvpMergeMatchedMPs", l,
         [](auto& c) -> decltype((c.mvpMergeMatchedMPs)) { return c.mvpMergeMatchedMPs; },
         on_retire::null);
-    optional(
+    scratch(
         v, "mvpMergeConnectedKFs", l,
         [](auto& c) -> decltype((c.mvpMergeConnectedKFs)) { return c.mvpMergeConnectedKFs; },
         on_retire::erase);
     // ORB-SLAM2
-    optional(
+    scratch(
         v, "mpMatchedKF", l, [](auto& c) -> decltype((c.mpMatchedKF)) { return c.mpMatchedKF; },
         on_retire::null);
-    optional(
+    scratch(
         v, "mvpEnoughConsistentCandidates", l,
         [](auto& c) -> decltype((c.mvpEnoughConsistentCandidates)) {
           return c.mvpEnoughConsistentCandidates;
         },
         on_retire::erase);
-    optional(
+    scratch(
         v, "mvpCurrentMatchedPoints", l,
         [](auto& c) -> decltype((c.mvpCurrentMatchedPoints)) { return c.mvpCurrentMatchedPoints; },
         on_retire::null);
+    // ORB-SLAM3 still has these groups, and does not use them.
     const auto groups = [](auto& c) -> decltype((c.mvConsistentGroups)) {
       return c.mvConsistentGroups;
     };
-    if constexpr (std::is_invocable<decltype(groups), LoopClosing&>::value)
+    const auto merges = [](auto& c) -> decltype((c.mpMergeMatchedKF)) {
+      return c.mpMergeMatchedKF;
+    };
+    if constexpr (std::is_invocable<decltype(groups), LoopClosing&>::value &&
+                  !std::is_invocable<decltype(merges), LoopClosing&>::value)
       for (auto& group : groups(l)) member(v, "mvConsistentGroups", group.first, on_retire::erase);
+    (void)merges;
     (void)groups;
   }
   template <class Visitor, class Atlas>

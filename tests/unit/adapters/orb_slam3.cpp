@@ -192,6 +192,35 @@ class Tracking {
   slamgc::registry<slamgc::rc_list<MapPoint>> mlpTemporalPoints;
 };
 
+// The rest of it is as dead as mvConsistentGroups is in ORB-SLAM3.
+class LoopClosing {
+  friend access;
+
+ public:
+  // What it finds in one round it uses in that round.
+  void Round(KeyFrame* pKF, MapPoint* pMP) {
+    mpCurrentKF = pKF;
+    mvpLoopMPs = {pMP};
+    mpLoopMatchedKF = mpCurrentKF;
+    mpMergeMatchedKF = mpCurrentKF;
+  }
+  bool IsEmpty() const { return mpCurrentKF == nullptr && mvpLoopMPs.empty(); }
+  KeyFrame* Matched() const { return mpLoopMatchedKF; }
+  bool IsToStop() {
+    const std::lock_guard<std::mutex> lock(mMutexGBA);
+    return mbStopGBA;
+  }
+
+ private:
+  slamgc::rc_list<KeyFrame> mlpLoopKeyFrameQueue;
+  std::mutex mMutexLoopQueue, mMutexGBA;
+  KeyFrame* mpCurrentKF = nullptr;
+  std::vector<MapPoint*> mvpLoopMPs;
+  std::vector<std::pair<std::set<KeyFrame*>, int>> mvConsistentGroups;
+  slamgc::rc_slot<KeyFrame> mpLoopMatchedKF, mpMergeMatchedKF;
+  bool mbStopGBA = false;
+};
+
 class OrbSlam3Adapter : public ::testing::Test {
  protected:
   OrbSlam3Adapter() { slamgc_.add(tracker, atlas); }
@@ -388,6 +417,57 @@ TEST_F(OrbSlam3Adapter, AnAdjustmentPinsWhatItNeedsAndDelaysNobody) {
   EXPECT_EQ(KeyFrame::live(), 0);
 }
 
+TEST_F(OrbSlam3Adapter, ALoopCloserIsEmptiedOfWhatItDoesNotCount) {
+  LoopClosing closer;
+  KeyFrame* good = nullptr;
+  std::thread([&] {
+    slamgc::orb_slam3::thread me("LoopClosing", closer);
+    {
+      const frame here(slamgc_);
+      map = atlas.CreateNewMap();
+      good = Good(0);
+    }
+    auto* const point = new MapPoint;
+    map->AddMapPoint(point);
+    closer.Round(good, point);
+    EXPECT_FALSE(closer.IsEmpty());
+    me.usleep(0);
+    EXPECT_TRUE(closer.IsEmpty());
+    EXPECT_EQ(closer.Matched(), good);
+    closer.Round(good, point);
+    me.quiescent();
+    EXPECT_TRUE(closer.IsEmpty());
+    Cull(good);
+    me.quiescent();
+    EXPECT_EQ(closer.Matched(), good);  // no collector has been there
+  }).join();
+  access::clear(closer);
+  EXPECT_EQ(closer.Matched(), nullptr);
+  EXPECT_EQ(slamgc_.drain(), waited::done);
+  EXPECT_EQ(KeyFrame::live(), 0);
+}
+
+TEST_F(OrbSlam3Adapter, TheEndStopsAnAdjustmentAndWaitsForIt) {
+  LoopClosing closer;
+  std::thread adjuster;
+  std::promise<void> begun;
+  bool through = false;
+  {
+    const frame here(slamgc_);
+    map = atlas.CreateNewMap();
+    adjuster = std::thread(adjusting(map, [&] {
+      begun.set_value();
+      while (!closer.IsToStop()) std::this_thread::yield();
+      through = true;
+    }));
+  }
+  begun.get_future().wait();
+  EXPECT_EQ(slamgc_.end(tracker, atlas, closer), waited::done);
+  EXPECT_TRUE(through);  // written before the adjustment ended
+  EXPECT_EQ(Map::live(), 0);
+  adjuster.join();
+}
+
 // Another thread holds pointers all the while.
 TEST_F(OrbSlam3Adapter, DrainingEndsInTime) {
   std::promise<void> online, through;
@@ -432,6 +512,26 @@ TEST_F(OrbSlam3Adapter, AReclaimerOfItsOwn) {
   const frame here(slamgc_);
   Cull(Good(0));
   EXPECT_EQ(slamgc_.drain(), waited::refused);
+}
+
+TEST(OrbSlam3AdapterAlone, StartsAtOnce) {
+  Tracking tracker;
+  Atlas atlas;
+  session slamgc;
+  slamgc.start(tracker, atlas);
+  {
+    const frame here(slamgc);
+    auto* const pKF = new KeyFrame(0);
+    Map* const pMap = atlas.CreateNewMap();
+    tracker.mvpLocalKeyFrames.push_back(pKF);
+    pMap->AddKeyFrame(pKF);
+    pMap->EraseKeyFrame(pKF);
+    pKF->SetBadFlag();
+  }
+  // What the tracker refers to is purged in its next frames.
+  while (KeyFrame::live() != 0) const frame next(slamgc);
+  EXPECT_TRUE(tracker.mvpLocalKeyFrames.empty());
+  EXPECT_EQ(slamgc.end(tracker, atlas), waited::done);
 }
 
 // The measuring step: a member that is not counted is not described, and nobody collects.
