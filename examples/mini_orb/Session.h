@@ -8,6 +8,9 @@
 
 namespace mini_orb {
 
+// Whether what is culled is freed: the tests ask.
+inline constexpr bool kReclaims = false;
+
 struct Session {
   Session(int features, bool threads)
       : world(7, features), system(std::make_unique<System>(threads)), collects(!threads) {}
