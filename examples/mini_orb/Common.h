@@ -1,43 +1,17 @@
-// What all classes use: a small pose type, numbers that threads share without a lock, and counts of what is alive.
+// What all classes use: the types of Eigen, numbers that threads share without a lock, and counts of what is alive.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <atomic>
 #include <chrono>
-#include <cmath>
 #include <cstdint>
 #include <vector>
 
 namespace mini_orb {
 
-struct Vec3 {
-  double x = 0, y = 0, z = 0;
-
-  friend Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-  friend Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-  friend Vec3 operator*(double s, const Vec3& a) { return {s * a.x, s * a.y, s * a.z}; }
-  double Dot(const Vec3& b) const { return x * b.x + y * b.y + z * b.z; }
-  double Norm() const { return std::sqrt(Dot(*this)); }
-};
-
-// A rigid transformation of a robot on a floor: a rotation about the vertical axis and a translation.
-struct Pose {
-  double yaw = 0;
-  Vec3 t;
-
-  Vec3 operator*(const Vec3& p) const {
-    const double c = std::cos(yaw), s = std::sin(yaw);
-    return Vec3{c * p.x - s * p.y, s * p.x + c * p.y, p.z} + t;
-  }
-  Pose operator*(const Pose& b) const { return {yaw + b.yaw, *this * b.t}; }
-  Pose Inverse() const {
-    const Pose turn{-yaw, {}};
-    return {-yaw, -1.0 * (turn * t)};
-  }
-  // The way from the identity to this transformation, up to a fraction between 0 and 1.
-  Pose Part(double fraction) const {
-    return {fraction * std::remainder(yaw, 2 * std::acos(-1.0)), fraction * t};
-  }
-};
+using Eigen::Vector3d;
+// Of ORB-SLAM3's Sophus::SE3f the part that is used here.
+using Pose = Eigen::Isometry3d;
 
 // A member that ORB-SLAM3 writes and reads on several threads without a lock (README.md lists them): an atomic with the order
 // that a plain member has on x86.
@@ -115,8 +89,5 @@ struct ById {
     return a->mnSerial < b->mnSerial;
   }
 };
-
-// Whether what is culled is freed: the tests ask.
-inline constexpr bool kReclaims = false;
 
 }  // namespace mini_orb

@@ -46,11 +46,11 @@ std::vector<std::size_t> Features::GetFeaturesInArea(double x, double y, double 
   return found;
 }
 
-Vec3 Features::InCamera(std::size_t i) const {
+Vector3d Features::InCamera(std::size_t i) const {
   return Camera::Unproject(mvKeysUn[i].x, mvKeysUn[i].y, mvDepth[i]);
 }
 
-Vec3 Features::Ray(std::size_t i) const {
+Vector3d Features::Ray(std::size_t i) const {
   return Camera::Unproject(mvKeysUn[i].x, mvKeysUn[i].y, 1);
 }
 
@@ -66,5 +66,9 @@ Frame::Frame(const Image& image)
       mnId(nNextId++),
       mvpMapPoints(static_cast<std::size_t>(N), nullptr),
       mvbOutlier(static_cast<std::size_t>(N), false) {}
+
+void Frame::SetPose(const Pose& Tcw) { mTcw = Tcw; }
+
+Vector3d Frame::UnprojectStereo(std::size_t i) const { return mTcw.inverse() * InCamera(i); }
 
 }  // namespace mini_orb

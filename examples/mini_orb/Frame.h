@@ -27,9 +27,9 @@ struct Features {
   // The keypoints within r of a place.
   std::vector<std::size_t> GetFeaturesInArea(double x, double y, double r) const;
   // The place of feature i relative to the camera. Only with depth.
-  Vec3 InCamera(std::size_t i) const;
+  Vector3d InCamera(std::size_t i) const;
   // The direction in which the camera sees it, with depth 1.
-  Vec3 Ray(std::size_t i) const;
+  Vector3d Ray(std::size_t i) const;
 
   static int Distance(const Descriptor& a, const Descriptor& b);
 
@@ -48,13 +48,13 @@ class Frame : public Features {
   Frame() = default;
   explicit Frame(const Image& image);
 
-  void SetPose(const Pose& Tcw) { mTcw = Tcw; }
+  void SetPose(const Pose& Tcw);
   const Pose& GetPose() const { return mTcw; }
-  Vec3 UnprojectStereo(std::size_t i) const { return mTcw.Inverse() * InCamera(i); }
+  Vector3d UnprojectStereo(std::size_t i) const;
 
   static Racy<unsigned long> nNextId;
   unsigned long mnId = 0;
-  Pose mTcw;
+  Pose mTcw = Pose::Identity();
   std::vector<MapPoint*> mvpMapPoints;
   std::vector<bool> mvbOutlier;
   KeyFrame* mpReferenceKF = nullptr;

@@ -33,7 +33,11 @@ Pose KeyFrame::GetPose() {
   return mTcw;
 }
 
-Pose KeyFrame::GetPoseInverse() { return GetPose().Inverse(); }
+Pose KeyFrame::GetPoseInverse() { return GetPose().inverse(); }
+
+Vector3d KeyFrame::GetCameraCenter() { return GetPoseInverse().translation(); }
+
+Vector3d KeyFrame::UnprojectStereo(std::size_t i) { return GetPoseInverse() * InCamera(i); }
 
 void KeyFrame::AddConnection(KeyFrame* pKF, int weight) {
   {

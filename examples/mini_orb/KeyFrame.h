@@ -23,7 +23,7 @@ class KeyFrame : public Features, public Instances<KeyFrame> {
   void SetPose(const Pose& Tcw);
   Pose GetPose();
   Pose GetPoseInverse();
-  Vec3 GetCameraCenter() { return GetPoseInverse().t; }
+  Vector3d GetCameraCenter();
 
   void AddConnection(KeyFrame* pKF, int weight);
   void EraseConnection(KeyFrame* pKF);
@@ -51,7 +51,7 @@ class KeyFrame : public Features, public Instances<KeyFrame> {
   std::vector<MapPoint*> GetMapPointMatches();
   MapPoint* GetMapPoint(std::size_t idx);
   int TrackedMapPoints(int minObs);
-  Vec3 UnprojectStereo(std::size_t i) { return GetPoseInverse() * InCamera(i); }
+  Vector3d UnprojectStereo(std::size_t i);
 
   void SetNotErase();
   void SetErase();

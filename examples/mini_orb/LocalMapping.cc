@@ -130,16 +130,16 @@ void LocalMapping::CreateNewMapPoints() {
     ORBmatcher::SearchForTriangulation(pCurrent, pKF2, vMatchedIndices);
     const Pose Twc1 = pCurrent->GetPoseInverse(), Twc2 = pKF2->GetPoseInverse();
     for (const auto& [i1, i2] : vMatchedIndices) {
-      const Vec3 ray1 = Pose{Twc1.yaw, {}} * pCurrent->Ray(i1);
-      const Vec3 ray2 = Pose{Twc2.yaw, {}} * pKF2->Ray(i2);
-      const Vec3 base = Twc2.t - Twc1.t;
-      const double a = ray1.Dot(ray1), b = ray1.Dot(ray2), c = ray2.Dot(ray2);
+      const Vector3d ray1 = Twc1.linear() * pCurrent->Ray(i1);
+      const Vector3d ray2 = Twc2.linear() * pKF2->Ray(i2);
+      const Vector3d base = Twc2.translation() - Twc1.translation();
+      const double a = ray1.dot(ray1), b = ray1.dot(ray2), c = ray2.dot(ray2);
       const double parallax = a * c - b * b;
-      if (base.Norm() < 0.2 || parallax < 1e-4 * a * c) continue;
-      const double s = (c * ray1.Dot(base) - b * ray2.Dot(base)) / parallax;
-      const double t = (b * ray1.Dot(base) - a * ray2.Dot(base)) / parallax;
-      const Vec3 p1 = Twc1.t + s * ray1, p2 = Twc2.t + t * ray2;
-      if (s <= 0 || t <= 0 || (p1 - p2).Norm() > 0.3) continue;
+      if (base.norm() < 0.2 || parallax < 1e-4 * a * c) continue;
+      const double s = (c * ray1.dot(base) - b * ray2.dot(base)) / parallax;
+      const double t = (b * ray1.dot(base) - a * ray2.dot(base)) / parallax;
+      const Vector3d p1 = Twc1.translation() + s * ray1, p2 = Twc2.translation() + t * ray2;
+      if (s <= 0 || t <= 0 || (p1 - p2).norm() > 0.3) continue;
       auto* const pMP = new MapPoint(0.5 * (p1 + p2), pCurrent, pMap);
       pMP->AddObservation(pCurrent, static_cast<int>(i1));
       pMP->AddObservation(pKF2, static_cast<int>(i2));

@@ -179,7 +179,7 @@ void LoopClosing::CorrectLoop() {
       CorrectedSim3[pKFi] = pKFi->GetPose() * Twc * mTcwLoop;
     }
     for (const auto& [pKFi, Corrected] : CorrectedSim3) {
-      const Pose move = Corrected.Inverse() * NonCorrectedSim3[pKFi];
+      const Pose move = Corrected.inverse() * NonCorrectedSim3[pKFi];
       for (MapPoint* pMPi : pKFi->GetMapPointMatches()) {
         if (pMPi == nullptr || pMPi->isBad() || !spCorrected.insert(pMPi).second) continue;
         pMPi->SetWorldPos(move * pMPi->GetWorldPos());
@@ -206,9 +206,9 @@ void LoopClosing::MergeLocal() {
   Map* const pMergeMap = mpMergeMatchedKF->GetMap();
   if (pCurrentMap != pMergeMap) {
     std::scoped_lock lock(pCurrentMap->mMutexMapUpdate, pMergeMap->mMutexMapUpdate);
-    const Pose move = mTcwMerge.Inverse() * mpCurrentKF->GetPose();
+    const Pose move = mTcwMerge.inverse() * mpCurrentKF->GetPose();
     for (KeyFrame* pKFi : pCurrentMap->GetAllKeyFrames()) {
-      pKFi->SetPose(pKFi->GetPose() * move.Inverse());
+      pKFi->SetPose(pKFi->GetPose() * move.inverse());
       pKFi->UpdateMap(pMergeMap);
       pMergeMap->AddKeyFrame(pKFi);
       pCurrentMap->EraseKeyFrame(pKFi);

@@ -15,27 +15,27 @@ using std::unique_lock;
 Racy<unsigned long> MapPoint::nNextId;
 mutex MapPoint::mGlobalMutex;
 
-MapPoint::MapPoint(const Vec3& Pos, KeyFrame* pRefKF, Map* pMap)
+MapPoint::MapPoint(const Vector3d& Pos, KeyFrame* pRefKF, Map* pMap)
     : mnId(nNextId++),
       mnFirstKFid(static_cast<long>(pRefKF->mnId)),
       mWorldPos(Pos),
       mpRefKF(pRefKF),
       mpMap(pMap) {}
 
-MapPoint::MapPoint(const Vec3& Pos, Map* pMap, const Frame& frame, std::size_t i)
+MapPoint::MapPoint(const Vector3d& Pos, Map* pMap, const Frame& frame, std::size_t i)
     : mnId(nNextId++),
       mnFirstKFid(-1),
       mWorldPos(Pos),
       mDescriptor(frame.mDescriptors[i]),
       mpMap(pMap) {}
 
-void MapPoint::SetWorldPos(const Vec3& Pos) {
+void MapPoint::SetWorldPos(const Vector3d& Pos) {
   lock_guard<mutex> global(mGlobalMutex);
   lock_guard<mutex> lock(mMutexPos);
   mWorldPos = Pos;
 }
 
-Vec3 MapPoint::GetWorldPos() {
+Vector3d MapPoint::GetWorldPos() {
   lock_guard<mutex> lock(mMutexPos);
   return mWorldPos;
 }
@@ -154,15 +154,15 @@ void MapPoint::UpdateNormalAndDepth() {
   KeyFrame* const pRefKF = GetReferenceKeyFrame();
   const auto observations = GetObservations();
   if (mbBad || observations.empty() || pRefKF == nullptr) return;
-  const Vec3 Pos = GetWorldPos();
-  Vec3 normal;
+  const Vector3d Pos = GetWorldPos();
+  Vector3d normal = Vector3d::Zero();
   for (const auto& [pKF, indexes] : observations) {
-    const Vec3 ray = Pos - pKF->GetCameraCenter();
-    normal = normal + (1 / ray.Norm()) * ray;
+    const Vector3d ray = Pos - pKF->GetCameraCenter();
+    normal += ray.normalized();
   }
-  const auto distance = static_cast<float>((Pos - pRefKF->GetCameraCenter()).Norm());
+  const auto distance = static_cast<float>((Pos - pRefKF->GetCameraCenter()).norm());
   lock_guard<mutex> lock(mMutexPos);
-  mNormalVector = (1.0 / static_cast<double>(observations.size())) * normal;
+  mNormalVector = normal / static_cast<double>(observations.size());
   mfMinDistance = distance / 3;
   mfMaxDistance = distance * 3;
 }

@@ -17,12 +17,12 @@ class Map;
 
 class MapPoint : public Instances<MapPoint> {
  public:
-  MapPoint(const Vec3& Pos, KeyFrame* pRefKF, Map* pMap);
+  MapPoint(const Vector3d& Pos, KeyFrame* pRefKF, Map* pMap);
   // Of a frame, in localisation mode: it is in no keyframe.
-  MapPoint(const Vec3& Pos, Map* pMap, const Frame& frame, std::size_t i);
+  MapPoint(const Vector3d& Pos, Map* pMap, const Frame& frame, std::size_t i);
 
-  void SetWorldPos(const Vec3& Pos);
-  Vec3 GetWorldPos();
+  void SetWorldPos(const Vector3d& Pos);
+  Vector3d GetWorldPos();
   Descriptor GetDescriptor();
   KeyFrame* GetReferenceKeyFrame();
 
@@ -58,14 +58,14 @@ class MapPoint : public Instances<MapPoint> {
   Racy<unsigned long> mnTrackReferenceForFrame = 0, mnLastFrameSeen = 0;
   Racy<unsigned long> mnFuseCandidateForKF = 0;
   Racy<unsigned long> mnBAGlobalForKF = 0;
-  Vec3 mPosGBA;
+  Vector3d mPosGBA;
 
   static std::mutex mGlobalMutex;
 
  private:
   friend class System;
 
-  Vec3 mWorldPos, mNormalVector;
+  Vector3d mWorldPos, mNormalVector;
   float mfMinDistance = 0, mfMaxDistance = 0;
   Descriptor mDescriptor{};
   std::map<KeyFrame*, std::tuple<int, int>, ById> mObservations;

@@ -11,8 +11,8 @@ namespace {
 
 // The feature near the projection of a place that looks most like a descriptor, and for which free(i) holds; or -1.
 template <class Free>
-int Nearest(const Features& in, const Pose& Tcw, const Vec3& place, const Descriptor& descriptor,
-            double th, Free free) {
+int Nearest(const Features& in, const Pose& Tcw, const Vector3d& place,
+            const Descriptor& descriptor, double th, Free free) {
   double u, v;
   if (!Camera::Project(Tcw * place, u, v)) return -1;
   int best = -1, bestDistance = ORBmatcher::TH_LOW + 1;

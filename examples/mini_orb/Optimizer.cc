@@ -1,5 +1,7 @@
 #include "Optimizer.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "Frame.h"
@@ -20,26 +22,38 @@ std::size_t LeftIndex(const std::tuple<int, int>& indexes) {
   return static_cast<std::size_t>(std::get<0>(indexes));
 }
 
+// The way from the identity to a transformation, up to a fraction between 0 and 1.
+Pose Part(const Pose& of, double fraction) {
+  Pose part(Eigen::Quaterniond::Identity().slerp(fraction, Eigen::Quaterniond(of.linear())));
+  part.translation() = fraction * of.translation();
+  return part;
+}
+
+// Places in a camera, and where they are in the world; returns the Tcw that fits best.
+class Fit {
+ public:
+  void Add(const Vector3d& camera, const Vector3d& world) {
+    ++n_;
+    camera_ += camera;
+    world_ += world;
+    products_ += camera * world.transpose();
+  }
+  int Count() const { return n_; }
+  Pose Tcw() const {
+    const Eigen::Matrix3d centred = products_ - camera_ * world_.transpose() / n_;
+    const double yaw = std::atan2(centred(1, 0) - centred(0, 1), centred(0, 0) + centred(1, 1));
+    Pose pose(Eigen::AngleAxisd(yaw, Vector3d::UnitZ()));
+    pose.translation() = (camera_ - pose.linear() * world_) / n_;
+    return pose;
+  }
+
+ private:
+  int n_ = 0;
+  Vector3d camera_ = Vector3d::Zero(), world_ = Vector3d::Zero();  // sums
+  Eigen::Matrix3d products_ = Eigen::Matrix3d::Zero();             // sum of camera times world
+};
+
 }  // namespace
-
-void Optimizer::Fit::Add(const Vec3& camera, const Vec3& world) {
-  ++n_;
-  camera_ = camera_ + camera;
-  world_ = world_ + world;
-  xx_ += camera.x * world.x;
-  yy_ += camera.y * world.y;
-  xy_ += camera.x * world.y;
-  yx_ += camera.y * world.x;
-}
-
-Pose Optimizer::Fit::Tcw() const {
-  const double n = n_;
-  const double dot = xx_ + yy_ - (camera_.x * world_.x + camera_.y * world_.y) / n;
-  const double cross = yx_ - xy_ - (camera_.y * world_.x - camera_.x * world_.y) / n;
-  Pose pose{std::atan2(cross, dot), {}};
-  pose.t = (1 / n) * camera_ - pose * ((1 / n) * world_);
-  return pose;
-}
 
 int Optimizer::PoseOptimization(Frame* pFrame) {
   lock_guard<mutex> lock(MapPoint::mGlobalMutex);
@@ -56,8 +70,8 @@ int Optimizer::PoseOptimization(Frame* pFrame) {
     for (std::size_t i = 0; i != pFrame->mvpMapPoints.size(); ++i) {
       MapPoint* const pMP = pFrame->mvpMapPoints[i];
       if (pMP == nullptr || pFrame->mvDepth[i] <= 0) continue;
-      const Vec3 error = pFrame->mTcw * pMP->GetWorldPos() - pFrame->InCamera(i);
-      pFrame->mvbOutlier[i] = error.Norm() > (round == 0 ? 4 : 1) * kInlier;
+      const Vector3d error = pFrame->mTcw * pMP->GetWorldPos() - pFrame->InCamera(i);
+      pFrame->mvbOutlier[i] = error.norm() > (round == 0 ? 4 : 1) * kInlier;
       if (!pFrame->mvbOutlier[i]) ++inliers;
     }
   }
@@ -77,10 +91,10 @@ void Optimizer::LocalBundleAdjustment(KeyFrame* pKF, const Racy<bool>* pbStopFla
   struct Edge {
     MapPoint* pMP;
     KeyFrame* pKF;
-    Vec3 camera;
+    Vector3d camera;
   };
   KeyFrameAndPose poses;
-  std::map<MapPoint*, Vec3, ById> places;
+  std::map<MapPoint*, Vector3d, ById> places;
   std::vector<Edge> edges;
   for (MapPoint* pMP : localMPs) {
     places[pMP] = pMP->GetWorldPos();
@@ -94,13 +108,13 @@ void Optimizer::LocalBundleAdjustment(KeyFrame* pKF, const Racy<bool>* pbStopFla
   }
   for (int iteration = 0; iteration != 4; ++iteration) {
     if (*pbStopFlag) break;
-    std::map<MapPoint*, std::pair<int, Vec3>, ById> sums;
+    std::map<MapPoint*, std::pair<int, Vector3d>, ById> sums;
     for (const Edge& edge : edges) {
-      auto& [n, sum] = sums[edge.pMP];
-      sum = sum + poses[edge.pKF].Inverse() * edge.camera;
+      auto& [n, sum] = sums.try_emplace(edge.pMP, 0, Vector3d::Zero()).first->second;
+      sum += poses[edge.pKF].inverse() * edge.camera;
       ++n;
     }
-    for (const auto& [pMP, sum] : sums) places[pMP] = (1.0 / sum.first) * sum.second;
+    for (const auto& [pMP, sum] : sums) places[pMP] = sum.second / sum.first;
     std::map<KeyFrame*, Fit, ById> fits;
     for (const Edge& edge : edges) fits[edge.pKF].Add(edge.camera, places[edge.pMP]);
     for (KeyFrame* pLocal : localKFs)
@@ -111,7 +125,7 @@ void Optimizer::LocalBundleAdjustment(KeyFrame* pKF, const Racy<bool>* pbStopFla
 
   lock_guard<mutex> lock(pMap->mMutexMapUpdate);
   for (const Edge& edge : edges)
-    if ((poses[edge.pKF] * places[edge.pMP] - edge.camera).Norm() > 2 * kInlier) {
+    if ((poses[edge.pKF] * places[edge.pMP] - edge.camera).norm() > 2 * kInlier) {
       edge.pKF->EraseMapPointMatch(LeftIndex(edge.pMP->GetIndexInKeyFrame(edge.pKF)));
       edge.pMP->EraseObservation(edge.pKF);
     }
@@ -130,7 +144,7 @@ void Optimizer::GlobalBundleAdjustemnt(Map* pMap, int nIterations, const Racy<bo
   // From here on the problem has numbers for keyframes and points.
   struct Edge {
     std::size_t point, keyframe;
-    Vec3 camera;
+    Vector3d camera;
   };
   std::map<KeyFrame*, std::size_t, ById> number;
   std::vector<Pose> poses;
@@ -139,7 +153,7 @@ void Optimizer::GlobalBundleAdjustemnt(Map* pMap, int nIterations, const Racy<bo
     poses.push_back(pKF->GetPose());
   }
   std::vector<Edge> edges;
-  std::vector<Vec3> places;
+  std::vector<Vector3d> places;
   for (MapPoint* pMP : vpMP) {
     for (const auto& [pKF, indexes] : pMP->GetObservations()) {
       const std::size_t i = LeftIndex(indexes);
@@ -154,14 +168,14 @@ void Optimizer::GlobalBundleAdjustemnt(Map* pMap, int nIterations, const Racy<bo
 
   const auto optimize = [&] {
     for (int iteration = 0; iteration != nIterations && !*pbStopFlag; ++iteration) {
-      std::vector<Vec3> sums(places.size());
+      std::vector<Vector3d> sums(places.size(), Vector3d::Zero());
       std::vector<int> counts(places.size(), 0);
       for (const Edge& edge : edges) {
-        sums[edge.point] = sums[edge.point] + poses[edge.keyframe].Inverse() * edge.camera;
+        sums[edge.point] += poses[edge.keyframe].inverse() * edge.camera;
         ++counts[edge.point];
       }
       for (std::size_t i = 0; i != places.size(); ++i)
-        if (counts[i] != 0) places[i] = (1.0 / counts[i]) * sums[i];
+        if (counts[i] != 0) places[i] = sums[i] / counts[i];
       std::vector<Fit> fits(poses.size());
       for (const Edge& edge : edges) fits[edge.keyframe].Add(edge.camera, places[edge.point]);
       for (std::size_t k = 0; k != poses.size(); ++k)
@@ -187,16 +201,16 @@ void Optimizer::OptimizeEssentialGraph(Map* pMap, KeyFrame* pLoopKF, KeyFrame* p
                                        const KeyFrameAndPose& Corrected,
                                        const std::set<MapPoint*, ById>& CorrectedPoints) {
   const Pose correction =
-      Corrected.at(pCurKF).Inverse() * NonCorrected.at(pCurKF);  // of the world there
+      Corrected.at(pCurKF).inverse() * NonCorrected.at(pCurKF);  // of the world there
   lock_guard<mutex> lock(pMap->mMutexMapUpdate);
   const double length = static_cast<double>(pCurKF->mnId) - static_cast<double>(pLoopKF->mnId);
   std::map<KeyFrame*, Pose, ById> moved;
   for (KeyFrame* pKF : pMap->GetAllKeyFrames()) {
     if (Corrected.count(pKF) != 0 || pKF->mnId <= pLoopKF->mnId || length <= 0) continue;
     const double way = static_cast<double>(pKF->mnId) - static_cast<double>(pLoopKF->mnId);
-    const Pose part = correction.Part(std::min(1.0, way / length));
+    const Pose part = Part(correction, std::min(1.0, way / length));
     moved[pKF] = part;
-    pKF->SetPose(pKF->GetPose() * part.Inverse());
+    pKF->SetPose(pKF->GetPose() * part.inverse());
   }
   for (MapPoint* pMP : pMap->GetAllMapPoints()) {
     KeyFrame* const pRefKF = pMP->GetReferenceKeyFrame();
@@ -222,7 +236,7 @@ bool Optimizer::OptimizePose(KeyFrame* pKF1, std::vector<MapPoint*>& vpMatches, 
     inliers = 0;
     for (std::size_t i = 0; i != vpMatches.size(); ++i) {
       if (vpMatches[i] == nullptr || pKF1->mvDepth[i] <= 0) continue;
-      inlier[i] = (Tcw * vpMatches[i]->GetWorldPos() - pKF1->InCamera(i)).Norm() < 2 * kInlier;
+      inlier[i] = (Tcw * vpMatches[i]->GetWorldPos() - pKF1->InCamera(i)).norm() < 2 * kInlier;
       if (inlier[i]) ++inliers;
     }
   }

@@ -19,19 +19,6 @@ class Optimizer {
  public:
   using KeyFrameAndPose = std::map<KeyFrame*, Pose, ById>;
 
-  // Places in a camera, and where they are in the world; returns the Tcw that fits best.
-  class Fit {
-   public:
-    void Add(const Vec3& camera, const Vec3& world);
-    int Count() const { return n_; }
-    Pose Tcw() const;
-
-   private:
-    int n_ = 0;
-    Vec3 camera_, world_;                       // sums
-    double xx_ = 0, yy_ = 0, xy_ = 0, yx_ = 0;  // of products, camera by world
-  };
-
   // Returns how many of its points the frame agrees with.
   static int PoseOptimization(Frame* pFrame);
   static void LocalBundleAdjustment(KeyFrame* pKF, const Racy<bool>* pbStopFlag, Map* pMap);

@@ -22,6 +22,31 @@ namespace mini_orb {
 using std::lock_guard;
 using std::mutex;
 
+namespace {
+
+// A place, and a pose as place and quaternion: with a blank before each number.
+std::ostream& Write(std::ostream& out, const Vector3d& place) {
+  return out << ' ' << place.x() << ' ' << place.y() << ' ' << place.z();
+}
+std::ostream& Write(std::ostream& out, const Pose& pose) {
+  const Eigen::Quaterniond q(pose.linear());
+  return Write(out, pose.translation())
+         << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << ' ' << q.w();
+}
+std::istream& Read(std::istream& in, Vector3d& place) {
+  return in >> place.x() >> place.y() >> place.z();
+}
+std::istream& Read(std::istream& in, Pose& pose) {
+  Vector3d place;
+  Eigen::Quaterniond q;
+  Read(in, place) >> q.x() >> q.y() >> q.z() >> q.w();
+  pose = q;
+  pose.translation() = place;
+  return in;
+}
+
+}  // namespace
+
 System::System(bool bThreads) : mbThreads(bThreads) {
   KeyFrame::nNextId = 0;
   Frame::nNextId = 0;
@@ -114,14 +139,14 @@ void System::SaveTrajectory(std::ostream& out) {
     const double at = *time++;
     if (*lost++) continue;
     KeyFrame* pKF = reference;
-    Pose Trw;
+    Pose Trw = Pose::Identity();
     while (pKF->isBad() && pKF->GetParent() != nullptr) {
       Trw = Trw * pKF->mTcp;
       pKF = pKF->GetParent();
     }
     Trw = Trw * pKF->GetPose();
-    const Pose Twc = (Tcr * Trw).Inverse();
-    out << at << ' ' << Twc.t.x << ' ' << Twc.t.y << ' ' << Twc.t.z << ' ' << Twc.yaw << '\n';
+    const Pose Twc = (Tcr * Trw).inverse();
+    Write(out << at, Twc) << '\n';
   }
 }
 
@@ -154,7 +179,7 @@ void System::PrintMaps(std::ostream& out) {
     for (KeyFrame* pKF : pMap->GetAllKeyFrames()) {
       const Pose Tcw = pKF->GetPose();
       KeyFrame* const pParent = pKF->GetParent();
-      out << "keyframe " << pKF->mnId << ' ' << Tcw.yaw << ' ' << Tcw.t.x << ' ' << Tcw.t.y
+      Write(out << "keyframe " << pKF->mnId, Tcw)
           << " parent " << (pParent != nullptr ? static_cast<long>(pParent->mnId) : -1) << " sees";
       for (KeyFrame* pCovisible : pKF->GetVectorCovisibleKeyFrames())
         if (!pCovisible->isBad())
@@ -165,8 +190,8 @@ void System::PrintMaps(std::ostream& out) {
       out << '\n';
     }
     for (MapPoint* pMP : pMap->GetAllMapPoints()) {
-      const Vec3 Pos = pMP->GetWorldPos();
-      out << "point " << pMP->mnId << ' ' << Pos.x << ' ' << Pos.y << ' ' << Pos.z << " seen by";
+      const Vector3d Pos = pMP->GetWorldPos();
+      Write(out << "point " << pMP->mnId, Pos) << " seen by";
       for (const auto& [pKF, indexes] : pMP->GetObservations())
         if (!pKF->isBad()) out << ' ' << pKF->mnId;
       out << '\n';
@@ -205,8 +230,7 @@ void System::SaveMap(Map* pMap, std::ostream& out) {
   out << pMap->mvpBackupKeyFrames.size() << ' ' << pMap->mvpBackupMapPoints.size() << '\n';
   for (KeyFrame* pKF : pMap->mvpBackupKeyFrames) {
     const Pose Tcw = pKF->GetPose();
-    out << pKF->mnId << ' ' << pKF->mTimeStamp << ' ' << Tcw.yaw << ' ' << Tcw.t.x << ' ' << Tcw.t.y
-        << ' ' << Tcw.t.z << ' ' << pKF->N << '\n';
+    Write(out << pKF->mnId << ' ' << pKF->mTimeStamp, Tcw) << ' ' << pKF->N << '\n';
     for (std::size_t i = 0; i != pKF->mDescriptors.size(); ++i) {
       out << pKF->mvKeysUn[i].x << ' ' << pKF->mvKeysUn[i].y << ' ' << pKF->mvDepth[i] << ' '
           << pKF->mvKeysUn[i].octave;
@@ -223,9 +247,9 @@ void System::SaveMap(Map* pMap, std::ostream& out) {
     write_set(pKF->mspMergeEdges);
   }
   for (MapPoint* pMP : pMap->mvpBackupMapPoints) {
-    const Vec3 Pos = pMP->GetWorldPos();
+    const Vector3d Pos = pMP->GetWorldPos();
     const auto observations = pMP->GetObservations();
-    out << pMP->mnId << ' ' << pMP->mnFirstKFid << ' ' << Pos.x << ' ' << Pos.y << ' ' << Pos.z
+    Write(out << pMP->mnId << ' ' << pMP->mnFirstKFid, Pos)
         << ' ' << of(pMP->GetReferenceKeyFrame()) << ' ' << pMP->mnVisible << ' ' << pMP->mnFound
         << ' ' << observations.size();
     for (const auto& [pKF, indexes] : observations)
@@ -270,7 +294,7 @@ void System::LoadMap(std::istream& in) {
     Image image;
     Pose Tcw;
     std::size_t n = 0;
-    in >> id >> image.time >> Tcw.yaw >> Tcw.t.x >> Tcw.t.y >> Tcw.t.z >> n;
+    Read(in >> id >> image.time, Tcw) >> n;
     image.features.resize(n);
     link.points.resize(n);
     for (std::size_t i = 0; i != n; ++i) {
@@ -299,10 +323,10 @@ void System::LoadMap(std::istream& in) {
   for (std::size_t i = 0; i != nMPs; ++i) {
     unsigned long id = 0;
     long first = 0;
-    Vec3 Pos;
+    Vector3d Pos;
     std::size_t reference = 0, n = 0;
     int visible = 1, found = 1;
-    in >> id >> first >> Pos.x >> Pos.y >> Pos.z >> reference >> visible >> found >> n;
+    Read(in >> id >> first, Pos) >> reference >> visible >> found >> n;
     MapPoint::nNextId = id;
     maxMP = std::max(maxMP, id + 1);
     KeyFrame* const pRefKF = keyframe(reference);

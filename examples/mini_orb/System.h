@@ -36,6 +36,8 @@ class System {
   // Ends all threads. Nothing is tracked afterwards.
   void Shutdown();
 
+  // Frees what can be freed now, if there are no threads. Between two frames.
+  void Collect() {}
   // Frees what can be freed, between two frames. Whether that was all.
   bool Drain() { return true; }
 

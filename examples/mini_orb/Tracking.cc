@@ -76,7 +76,7 @@ void Tracking::Track() {
     mpFrameDrawer->Update(this);
     mbVelocity = bOK && !mLastFrame.mvpMapPoints.empty();
     if (bOK) {
-      if (mbVelocity) mVelocity = mCurrentFrame.GetPose() * mLastFrame.GetPose().Inverse();
+      if (mbVelocity) mVelocity = mCurrentFrame.GetPose() * mLastFrame.GetPose().inverse();
       // The points of visual odometry are not in the map.
       for (std::size_t i = 0; i != mCurrentFrame.mvpMapPoints.size(); ++i) {
         MapPoint* const pMP = mCurrentFrame.mvpMapPoints[i];
@@ -111,7 +111,7 @@ void Tracking::StereoInitialization() {
   if (mCurrentFrame.N < 3 * kMinInliers) return;
   Map* const pMap = mpAtlas->GetCurrentMap();
   // A later map begins where the last one was lost: odometry would say so.
-  mCurrentFrame.SetPose(Pose());
+  mCurrentFrame.SetPose(Pose::Identity());
   auto* const pKFini = new KeyFrame(mCurrentFrame, pMap, mpKeyFrameDB);
   pMap->AddKeyFrame(pKFini);
   for (std::size_t i = 0; i != mCurrentFrame.mvpMapPoints.size(); ++i) {

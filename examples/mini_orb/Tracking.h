@@ -75,7 +75,7 @@ class Tracking {
   std::list<MapPoint*> mlpTemporalPoints;
 
   bool mbOnlyTracking = false, mbVO = false, mbVelocity = false;
-  Pose mVelocity;
+  Pose mVelocity = Pose::Identity();
   unsigned long mnLastKeyFrameId = 0, mnInitialFrameId = 0;
   double mTimeStampLost = 0;
   int mnMatchesInliers = 0;

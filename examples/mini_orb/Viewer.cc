@@ -47,9 +47,9 @@ bool Viewer::RunOnce() {
 void Viewer::DrawKeyFrames() {
   for (Map* pMap : mpAtlas->GetAllMaps())
     for (KeyFrame* pKF : pMap->GetAllKeyFrames()) {
-      const Vec3 Ow = pKF->GetCameraCenter();
+      const Vector3d Ow = pKF->GetCameraCenter();
       const auto line = [&](KeyFrame* pTo) {
-        if (pTo != nullptr) mDrawn += (pTo->GetCameraCenter() - Ow).Norm();
+        if (pTo != nullptr) mDrawn += (pTo->GetCameraCenter() - Ow).norm();
       };
       for (KeyFrame* pCovisible : pKF->GetVectorCovisibleKeyFrames()) line(pCovisible);
       line(pKF->GetParent());
@@ -61,9 +61,9 @@ void Viewer::DrawKeyFrames() {
 void Viewer::DrawMapPoints() {
   Map* const pMap = mpAtlas->GetCurrentMap();
   for (MapPoint* pMP : pMap->GetAllMapPoints())
-    if (!pMP->isBad()) mDrawn += pMP->GetWorldPos().Norm();
+    if (!pMP->isBad()) mDrawn += pMP->GetWorldPos().norm();
   for (MapPoint* pMP : pMap->GetReferenceMapPoints())
-    if (!pMP->isBad()) mDrawn += pMP->GetWorldPos().Norm();
+    if (!pMP->isBad()) mDrawn += pMP->GetWorldPos().norm();
 }
 
 void Viewer::RequestStop() {

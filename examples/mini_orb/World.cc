@@ -1,6 +1,7 @@
 #include "World.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace mini_orb {
@@ -42,8 +43,9 @@ World::World(std::uint64_t seed, int features)
 
 Pose World::TruePose(double angle) {
   const double turn = std::acos(-1.0) / 2;
-  const Pose Twc{angle + turn, {kRadius * std::cos(angle), kRadius * std::sin(angle), 0}};
-  return Twc.Inverse();
+  Pose Twc(Eigen::AngleAxisd(angle + turn, Vector3d::UnitZ()));
+  Twc.translation() = Vector3d(kRadius * std::cos(angle), kRadius * std::sin(angle), 0);
+  return Twc.inverse();
 }
 
 Image World::Look(double angle, std::uint64_t number) const {
@@ -52,8 +54,8 @@ Image World::Look(double angle, std::uint64_t number) const {
   std::vector<std::pair<double, std::size_t>> seen;
   for (std::size_t i = 0; i != mvLandmarks.size(); ++i) {
     double u, v;
-    const Vec3 p = Tcw * mvLandmarks[i].position;
-    if (p.x > 0.5 && p.x < kSight && Camera::Project(p, u, v)) seen.emplace_back(p.x, i);
+    const Vector3d p = Tcw * mvLandmarks[i].position;
+    if (p.x() > 0.5 && p.x() < kSight && Camera::Project(p, u, v)) seen.emplace_back(p.x(), i);
   }
   std::sort(seen.begin(), seen.end());
   if (seen.size() > mnFeatures) seen.resize(mnFeatures);
@@ -67,12 +69,12 @@ Image World::Look(double angle, std::uint64_t number) const {
       feature.descriptor[bit / 8] =
           static_cast<std::uint8_t>(feature.descriptor[bit / 8] ^ (1u << (bit % 8)));
     }
-    const Vec3 p = Tcw * mvLandmarks[i].position +
-                   Vec3{Noise(key, 0.01), Noise(key + 1, 0.01), Noise(key + 2, 0.01)};
+    const Vector3d p = Tcw * mvLandmarks[i].position +
+                       Vector3d(Noise(key, 0.01), Noise(key + 1, 0.01), Noise(key + 2, 0.01));
     if (!Camera::Project(p, feature.u, feature.v)) continue;
-    if (mvLandmarks[i].depth) feature.depth = p.x;
+    if (mvLandmarks[i].depth) feature.depth = p.x();
     // A thing that is near is large.
-    const double level = std::log(kSight / p.x) / std::log(1.2) / 2 + Noise(key + 3, 0.3);
+    const double level = std::log(kSight / p.x()) / std::log(1.2) / 2 + Noise(key + 3, 0.3);
     feature.octave = std::min(Camera::levels - 1, std::max(0, static_cast<int>(level)));
     image.features.push_back(feature);
   }

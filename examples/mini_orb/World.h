@@ -30,14 +30,14 @@ struct Camera {
   static constexpr int levels = 8;
 
   // Forward is x, left is y, up is z.
-  static bool Project(const Vec3& p, double& u, double& v) {
-    if (p.x < 0.1) return false;
-    u = cx - f * p.y / p.x;
-    v = cy - f * p.z / p.x;
+  static bool Project(const Vector3d& p, double& u, double& v) {
+    if (p.x() < 0.1) return false;
+    u = cx - f * p.y() / p.x();
+    v = cy - f * p.z() / p.x();
     return u >= 0 && u < width && v >= 0 && v < height;
   }
-  static Vec3 Unproject(double u, double v, double depth) {
-    return {depth, (cx - u) / f * depth, (cy - v) / f * depth};
+  static Vector3d Unproject(double u, double v, double depth) {
+    return Vector3d(depth, (cx - u) / f * depth, (cy - v) / f * depth);
   }
 };
 
@@ -58,7 +58,7 @@ class World {
 
  private:
   struct Landmark {
-    Vec3 position;
+    Vector3d position;
     Descriptor descriptor;
     bool depth;  // whether its depth can be measured
   };

@@ -82,20 +82,26 @@ TEST_F(MiniOrbThreads, Localisation) {
   ExpectNothingAtTheEnd();
 }
 
-TEST_F(MiniOrbThreads, ResetsBesideAGlobalBA) {
+// What it works on is in use till it ends, and it goes on beside a reset, and beside the loop that aborts it.
+TEST_F(MiniOrbThreads, B13_AGlobalBAOutlivesResets) {
   session.system->mpLoopCloser->mnIterationsGBA = 1000000;  // till it is aborted
   for (int i = 0; i != 2; ++i) {
     DriveUntil([&] { return session.system->mpLoopCloser->isRunningGBA(); });
     Drive(5);
+    const auto adjusted = static_cast<long>(session.system->GetSummary().keyframes);
     if (i == 0)
       session.system->ResetActiveMap();
     else
       session.system->Reset();
     Drive(30);
     EXPECT_TRUE(session.system->mpLoopCloser->isRunningGBA());
+    EXPECT_GE(KeyFrames(), adjusted / 2);  // those that came after it began may be gone
     EXPECT_FALSE(session.system->GetTrackedMapPoints().empty());
     // The second loop aborts it, and it is detached.
     if (i == 0) DriveUntil([&] { return session.system->GetSummary().abortedGBAs > 0; });
+  }
+  if (!kReclaims) {
+    EXPECT_GE(Instances<Map>::Alive() - maps_, 2);
   }
   ExpectNothingAtTheEnd();
 }

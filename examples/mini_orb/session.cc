@@ -1,14 +1,16 @@
-// A session of one thread with everything in it, always the same: prints what happened and the trajectory. The plain build and the one
-// with slamgc print the same, to the last bit.
+// session [late]: a session of one thread with everything in it, always the same: prints what happened and the trajectory. The plain build
+// and the one with slamgc print the same, to the last bit. late: nothing is freed, nor purged, before the end.
 #include <cstdio>
+#include <cstring>
 #include <iostream>
 #include <sstream>
 
 #include "Session.h"
 
-int main() {
+int main(int argc, char** argv) {
   using mini_orb::Session;
   Session session(60, false);
+  session.collects = argc < 2 || std::strcmp(argv[1], "late") != 0;
   const auto tell = [&](const char* what) {
     const mini_orb::System::Summary now = session.system->GetSummary();
     std::printf(

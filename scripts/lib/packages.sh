@@ -16,9 +16,18 @@ packages_of() {
     docs) echo python3=python3 doxygen=doxygen '?clang-format-14' '?clang-tidy-14' '?shellcheck' ;;
     gcc-release)
       packages_of gtest
+      packages_of mini_orb
       echo pkg-config=pkg-config libboost-dev=/usr/include/boost/version.hpp valgrind=valgrind libbenchmark-dev '?relacy-dev' '?python3-matplotlib' '?zlib1g-dev' '?libcli11-dev' '?nlohmann-json3-dev' '?libfmt-dev' '?chromium=chromium' '?liburcu-dev=/usr/include/urcu-qsbr.h'
       ;;
-    benchmark) echo python3=python3 libboost-dev libbenchmark-dev valgrind=valgrind '?zlib1g-dev' '?python3-matplotlib' '?liburcu-dev' '?libxenium-dev' '?libcds-dev' ;;
+    mini_orb) echo libeigen3-dev=/usr/include/eigen3/Eigen/Core ;;
+    gcc-asan | gcc-tsan)
+      packages_of gtest
+      packages_of mini_orb
+      ;;
+    benchmark)
+      packages_of mini_orb
+      echo python3=python3 libboost-dev libbenchmark-dev valgrind=valgrind '?zlib1g-dev' '?python3-matplotlib' '?liburcu-dev' '?libxenium-dev' '?libcds-dev'
+      ;;
     clang)
       packages_of gtest
       # libFuzzer comes with the runtime libraries of the clang that was chosen.
