@@ -167,11 +167,14 @@ class orb_slam_members {
   template <class Part>
   static void stop_adjustment(Part& p) {
     const auto stop = [](auto& l) -> decltype((l.mbStopGBA)) { return l.mbStopGBA; };
+    const auto mutex = [](auto& l) -> decltype((l.mMutexGBA)) { return l.mMutexGBA; };
     if constexpr (std::is_invocable<decltype(stop), Part&>::value) {
-      const lock adjustment(p.mMutexGBA);
+      std::unique_lock<std::mutex> adjustment;
+      if constexpr (std::is_invocable<decltype(mutex), Part&>::value)
+        adjustment = std::unique_lock<std::mutex>(mutex(p));
       stop(p) = true;
     }
-    (void)stop, (void)p;
+    (void)stop, (void)mutex, (void)p;
   }
   /// The part forgets what it refers to, and its maps end.
   template <class Part>
