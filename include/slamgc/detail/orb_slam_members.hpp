@@ -163,18 +163,17 @@ class orb_slam_members {
     forgetting all;
     part(all, p);
   }
-  /// Asks a global bundle adjustment to stop, if the part runs one.
+  /// Asks a global bundle adjustment to stop, if the part runs one, and has a lock for that.
   template <class Part>
   static void stop_adjustment(Part& p) {
-    const auto stop = [](auto& l) -> decltype((l.mbStopGBA)) { return l.mbStopGBA; };
-    const auto mutex = [](auto& l) -> decltype((l.mMutexGBA)) { return l.mMutexGBA; };
-    if constexpr (std::is_invocable<decltype(stop), Part&>::value) {
-      std::unique_lock<std::mutex> adjustment;
-      if constexpr (std::is_invocable<decltype(mutex), Part&>::value)
-        adjustment = std::unique_lock<std::mutex>(mutex(p));
-      stop(p) = true;
+    const auto mutex = [](auto& l) -> decltype((void)l.mbStopGBA, (l.mMutexGBA)) {
+      return l.mMutexGBA;
+    };
+    if constexpr (std::is_invocable<decltype(mutex), Part&>::value) {
+      const lock adjustment(mutex(p));
+      p.mbStopGBA = true;
     }
-    (void)stop, (void)mutex, (void)p;
+    (void)mutex, (void)p;
   }
   /// The part forgets what it refers to, and its maps end.
   template <class Part>
