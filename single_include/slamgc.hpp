@@ -1640,7 +1640,8 @@ struct edge_member<rc_unordered_map<T, M, Options...>>
 /// began, such a candidate has appeared or a reference to one was added or moved (its version). Else the last purge has seen
 /// all references to it, and those that are left are held or not described. That is true unless an edge moved past the walk:
 /// so if the references that a purge has seen do not add up to the count, or if some edges() threw, it is due again after 1, 2,
-/// 4, ..., 1024, 1024, ... calls.
+/// 4, ..., 1024, 1024, ... calls. And it rests after the last one, as long as the call's budget asks for: a map in which something is
+/// always stuck is not walked through all the time.
 ///
 /// **Edges of stuck objects** are purged, too. Else a retired keyframe that one member of a thread holds would keep the next one
 /// that is retired, and that one the next: one old reference, and nothing would be reclaimed any more. What the program needs
@@ -1653,7 +1654,35 @@ struct edge_member<rc_unordered_map<T, M, Options...>>
 /// stuck objects are looked up in keyed containers.
 
 #include <algorithm>
+#include <chrono>
 
+// ---- slamgc/detail/clock.hpp ----
+/// @file
+/// Time, apart from env.hpp because `<chrono>` and `<thread>` are large.
+
+#include <thread>
+
+namespace slamgc {
+namespace runtime SLAMGC_SHARED {
+
+/// The time of an environment: real, unless it specialises this.
+template <class Env>
+struct clock_of {
+  using time_point = std::chrono::steady_clock::time_point;
+
+  static time_point now() noexcept { return std::chrono::steady_clock::now(); }
+
+  /// Lets other threads run for about @p time; zero is a yield.
+  static void pause(std::chrono::nanoseconds time) noexcept {
+    if (time.count() == 0)
+      std::this_thread::yield();
+    else
+      std::this_thread::sleep_for(time);
+  }
+};
+
+}  // namespace SLAMGC_SHARED
+}  // namespace slamgc
 // ---- slamgc/detail/heap_walk.hpp ----
 /// @file
 /// A walk over the live objects of a domain, from its roots along the described edges.
@@ -1878,35 +1907,6 @@ class heap_walk {
 /// free, for which it waits while it is held. Places are used again and freed with the domain's state. A root that belongs
 /// to a mutator is not visited by the collector.
 
-#include <chrono>
-
-// ---- slamgc/detail/clock.hpp ----
-/// @file
-/// Time, apart from env.hpp because `<chrono>` and `<thread>` are large.
-
-#include <thread>
-
-namespace slamgc {
-namespace runtime SLAMGC_SHARED {
-
-/// The time of an environment: real, unless it specialises this.
-template <class Env>
-struct clock_of {
-  using time_point = std::chrono::steady_clock::time_point;
-
-  static time_point now() noexcept { return std::chrono::steady_clock::now(); }
-
-  /// Lets other threads run for about @p time; zero is a yield.
-  static void pause(std::chrono::nanoseconds time) noexcept {
-    if (time.count() == 0)
-      std::this_thread::yield();
-    else
-      std::this_thread::sleep_for(time);
-  }
-};
-
-}  // namespace SLAMGC_SHARED
-}  // namespace slamgc
 // ---- slamgc/detail/participant.hpp ----
 /// @file
 /// How a thread takes part in a domain: as a mutator, or as the collector at work.
@@ -3197,6 +3197,8 @@ namespace runtime SLAMGC_SHARED {
 template <class Env>
 class purge {
  public:
+  using clock = clock_of<Env>;
+
   /// A retired object that is still referred to.
   struct stuck {
     const void* key;
@@ -3205,10 +3207,14 @@ class purge {
 
   /// Whether there is reason to begin one.
   bool due(const trial_deletion<Env>& trial) const noexcept {
-    return !at_work_ && !gave_up_ && (trial.unpurged() || retry_in_ == 1);
+    return !at_work_ && !gave_up_ && !rests_ && (trial.unpurged() || retry_in_ == 1);
   }
-  /// A call of collect() begins. If it is @p thorough, nothing is put off.
-  void begin_call(const trial_deletion<Env>& trial, bool thorough) noexcept {
+  /// A call of collect() begins, at @p now, in which a purge rests for @p rest times the time that the last one took. If it is
+  /// @p thorough, nothing is put off.
+  void begin_call(const trial_deletion<Env>& trial, typename clock::time_point now, unsigned rest,
+                  bool thorough) noexcept {
+    rest_ = rest;
+    rests_ = now - ended_ < rest * took_;
     if (retry_in_ == 0 && trial.threw()) retry_in_ = 2;
     if (retry_in_ > 1) retry_in_ = thorough || gave_up_ ? 1 : retry_in_ - 1;
     gave_up_ = false;
@@ -3216,6 +3222,40 @@ class purge {
   /// Goes on, or begins. False if the limit came first.
   bool run(root_list<Env>& roots, trial_deletion<Env>& trial, std::size_t live_objects,
            work_limit<Env>& limit) noexcept {
+    if (!at_work_) took_ = {};
+    const auto begin = clock::now();
+    const bool done = walk(roots, trial, live_objects, limit);
+    ended_ = clock::now();
+    took_ += ended_ - begin;
+    rests_ = rest_ != 0;
+    return done;
+  }
+
+  // For visitors:
+
+  stuck* find(const void* object) const noexcept { return stuck_.find(object); }
+  std::size_t stuck_objects() const noexcept { return stuck_.size(); }
+  template <class F>
+  void each_stuck(F f) const {
+    stuck_.each(f);
+  }
+  void meet(void* object, const described_operations<Env>& type) noexcept {
+    walk_.meet(object, type);
+  }
+  void dropped() noexcept { dropped_.fetch_add(1, std::memory_order_relaxed); }  // (12)
+
+  // For reports:
+
+  /// Grows when one begins: owners of roots look.
+  std::uint64_t number() const noexcept { return number_.load(std::memory_order_relaxed); }  // (12)
+  std::uint64_t walks() const noexcept { return walks_.load(std::memory_order_relaxed); }    // (12)
+  std::uint64_t stale_edges() const noexcept {
+    return dropped_.load(std::memory_order_relaxed);  // (12)
+  }
+
+ private:
+  bool walk(root_list<Env>& roots, trial_deletion<Env>& trial, std::size_t live_objects,
+            work_limit<Env>& limit) noexcept {
     if (!at_work_) {
       at_work_ = true;
       number_.fetch_add(1, std::memory_order_relaxed);  // (12)
@@ -3251,30 +3291,6 @@ class purge {
     finish();
     return true;
   }
-
-  // For visitors:
-
-  stuck* find(const void* object) const noexcept { return stuck_.find(object); }
-  std::size_t stuck_objects() const noexcept { return stuck_.size(); }
-  template <class F>
-  void each_stuck(F f) const {
-    stuck_.each(f);
-  }
-  void meet(void* object, const described_operations<Env>& type) noexcept {
-    walk_.meet(object, type);
-  }
-  void dropped() noexcept { dropped_.fetch_add(1, std::memory_order_relaxed); }  // (12)
-
-  // For reports:
-
-  /// Grows when one begins: owners of roots look.
-  std::uint64_t number() const noexcept { return number_.load(std::memory_order_relaxed); }  // (12)
-  std::uint64_t walks() const noexcept { return walks_.load(std::memory_order_relaxed); }    // (12)
-  std::uint64_t stale_edges() const noexcept {
-    return dropped_.load(std::memory_order_relaxed);  // (12)
-  }
-
- private:
   /// The next call tries again; meanwhile there may be memory to reclaim.
   bool give_up() noexcept {
     gave_up_ = true;
@@ -3293,6 +3309,10 @@ class purge {
   bool at_work_ = false;
   bool all_seen_ = true;  // no edges() threw
   bool gave_up_ = false;  // in this call, for want of memory
+  bool rests_ = false;    // in this call
+  unsigned rest_ = 0;     // of this call's budget
+  typename clock::time_point ended_{};
+  std::chrono::nanoseconds took_{0};  // the last one, or this one so far
   std::uint64_t retry_after_ = 0;
   std::uint64_t retry_in_ = 0;  // calls; 1: now; 0: never
   address_table<stuck> stuck_;
@@ -3560,6 +3580,10 @@ struct budget {
   /// Objects to handle. One that is reclaimed is handled twice: noted, and after the grace period destroyed.
   std::size_t objects = static_cast<std::size_t>(-1);
   std::chrono::nanoseconds time = std::chrono::nanoseconds::max();  ///< Time.
+  /// No purge begins until this many times as long as the last one took has passed since its end. A purge walks through all live
+  /// objects, for however few that are stuck: with 15 it takes a sixteenth of the caller's time at most, however large the
+  /// map is, and what is stuck waits. 0: one begins whenever there is reason to.
+  unsigned purge_rest = 0;
 };
 
 /// What a call of collect() did.
@@ -3724,7 +3748,7 @@ class collection {
   collected collect(domain& of, const budget& limit, bool thorough = false) noexcept {
     if (!begin_turn()) return {outcome::busy, 0};
     const auto begin = clock::now();
-    purge_.begin_call(trial_, thorough);
+    purge_.begin_call(trial_, begin, limit.purge_rest, thorough);
     trial_.begin_call(begin.time_since_epoch());
     const collected done =
         hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);

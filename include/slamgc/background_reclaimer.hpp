@@ -22,7 +22,7 @@ struct reclaimer_options {
   /// Between two slices. After one that used its budget up: as long as that took, so that a large backlog takes
   /// half of a processor and no more.
   std::chrono::nanoseconds pause = std::chrono::milliseconds(5);
-  budget slice{static_cast<std::size_t>(-1), std::chrono::milliseconds(2)};  ///< Of one slice.
+  budget slice{static_cast<std::size_t>(-1), std::chrono::milliseconds(2), 15};  ///< Of one slice.
   std::function<void()> on_start;  ///< Called first on the new thread: sets its priority, say.
   std::function<void(const domain_stats&)> on_stats;  ///< Called on the thread now and then.
   std::chrono::nanoseconds stats_period =

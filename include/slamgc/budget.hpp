@@ -13,6 +13,10 @@ struct budget {
   /// Objects to handle. One that is reclaimed is handled twice: noted, and after the grace period destroyed.
   std::size_t objects = static_cast<std::size_t>(-1);
   std::chrono::nanoseconds time = std::chrono::nanoseconds::max();  ///< Time.
+  /// No purge begins until this many times as long as the last one took has passed since its end. A purge walks through all live
+  /// objects, for however few that are stuck: with 15 it takes a sixteenth of the caller's time at most, however large the
+  /// map is, and what is stuck waits. 0: one begins whenever there is reason to.
+  unsigned purge_rest = 0;
 };
 
 /// What a call of collect() did.

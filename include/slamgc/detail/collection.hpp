@@ -38,7 +38,7 @@ class collection {
   collected collect(domain& of, const budget& limit, bool thorough = false) noexcept {
     if (!begin_turn()) return {outcome::busy, 0};
     const auto begin = clock::now();
-    purge_.begin_call(trial_, thorough);
+    purge_.begin_call(trial_, begin, limit.purge_rest, thorough);
     trial_.begin_call(begin.time_since_epoch());
     const collected done =
         hooks_ == nullptr ? slice(of, limit, begin) : told_slice(of, limit, begin);

@@ -10,7 +10,8 @@
 /// began, such a candidate has appeared or a reference to one was added or moved (its version). Else the last purge has seen
 /// all references to it, and those that are left are held or not described. That is true unless an edge moved past the walk:
 /// so if the references that a purge has seen do not add up to the count, or if some edges() threw, it is due again after 1, 2,
-/// 4, ..., 1024, 1024, ... calls.
+/// 4, ..., 1024, 1024, ... calls. And it rests after the last one, as long as the call's budget asks for: a map in which something is
+/// always stuck is not walked through all the time.
 ///
 /// **Edges of stuck objects** are purged, too. Else a retired keyframe that one member of a thread holds would keep the next one
 /// that is retired, and that one the next: one old reference, and nothing would be reclaimed any more. What the program needs
@@ -24,11 +25,13 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 
 #include "../counter.hpp"
 #include "../fwd.hpp"
+#include "clock.hpp"
 #include "heap_walk.hpp"
 #include "root_list.hpp"
 #include "table_base.hpp"
@@ -40,6 +43,8 @@ namespace runtime SLAMGC_SHARED {
 template <class Env>
 class purge {
  public:
+  using clock = clock_of<Env>;
+
   /// A retired object that is still referred to.
   struct stuck {
     const void* key;
@@ -48,10 +53,14 @@ class purge {
 
   /// Whether there is reason to begin one.
   bool due(const trial_deletion<Env>& trial) const noexcept {
-    return !at_work_ && !gave_up_ && (trial.unpurged() || retry_in_ == 1);
+    return !at_work_ && !gave_up_ && !rests_ && (trial.unpurged() || retry_in_ == 1);
   }
-  /// A call of collect() begins. If it is @p thorough, nothing is put off.
-  void begin_call(const trial_deletion<Env>& trial, bool thorough) noexcept {
+  /// A call of collect() begins, at @p now, in which a purge rests for @p rest times the time that the last one took. If it is
+  /// @p thorough, nothing is put off.
+  void begin_call(const trial_deletion<Env>& trial, typename clock::time_point now, unsigned rest,
+                  bool thorough) noexcept {
+    rest_ = rest;
+    rests_ = now - ended_ < rest * took_;
     if (retry_in_ == 0 && trial.threw()) retry_in_ = 2;
     if (retry_in_ > 1) retry_in_ = thorough || gave_up_ ? 1 : retry_in_ - 1;
     gave_up_ = false;
@@ -59,6 +68,40 @@ class purge {
   /// Goes on, or begins. False if the limit came first.
   bool run(root_list<Env>& roots, trial_deletion<Env>& trial, std::size_t live_objects,
            work_limit<Env>& limit) noexcept {
+    if (!at_work_) took_ = {};
+    const auto begin = clock::now();
+    const bool done = walk(roots, trial, live_objects, limit);
+    ended_ = clock::now();
+    took_ += ended_ - begin;
+    rests_ = rest_ != 0;
+    return done;
+  }
+
+  // For visitors:
+
+  stuck* find(const void* object) const noexcept { return stuck_.find(object); }
+  std::size_t stuck_objects() const noexcept { return stuck_.size(); }
+  template <class F>
+  void each_stuck(F f) const {
+    stuck_.each(f);
+  }
+  void meet(void* object, const described_operations<Env>& type) noexcept {
+    walk_.meet(object, type);
+  }
+  void dropped() noexcept { dropped_.fetch_add(1, std::memory_order_relaxed); }  // (12)
+
+  // For reports:
+
+  /// Grows when one begins: owners of roots look.
+  std::uint64_t number() const noexcept { return number_.load(std::memory_order_relaxed); }  // (12)
+  std::uint64_t walks() const noexcept { return walks_.load(std::memory_order_relaxed); }    // (12)
+  std::uint64_t stale_edges() const noexcept {
+    return dropped_.load(std::memory_order_relaxed);  // (12)
+  }
+
+ private:
+  bool walk(root_list<Env>& roots, trial_deletion<Env>& trial, std::size_t live_objects,
+            work_limit<Env>& limit) noexcept {
     if (!at_work_) {
       at_work_ = true;
       number_.fetch_add(1, std::memory_order_relaxed);  // (12)
@@ -94,30 +137,6 @@ class purge {
     finish();
     return true;
   }
-
-  // For visitors:
-
-  stuck* find(const void* object) const noexcept { return stuck_.find(object); }
-  std::size_t stuck_objects() const noexcept { return stuck_.size(); }
-  template <class F>
-  void each_stuck(F f) const {
-    stuck_.each(f);
-  }
-  void meet(void* object, const described_operations<Env>& type) noexcept {
-    walk_.meet(object, type);
-  }
-  void dropped() noexcept { dropped_.fetch_add(1, std::memory_order_relaxed); }  // (12)
-
-  // For reports:
-
-  /// Grows when one begins: owners of roots look.
-  std::uint64_t number() const noexcept { return number_.load(std::memory_order_relaxed); }  // (12)
-  std::uint64_t walks() const noexcept { return walks_.load(std::memory_order_relaxed); }    // (12)
-  std::uint64_t stale_edges() const noexcept {
-    return dropped_.load(std::memory_order_relaxed);  // (12)
-  }
-
- private:
   /// The next call tries again; meanwhile there may be memory to reclaim.
   bool give_up() noexcept {
     gave_up_ = true;
@@ -136,6 +155,10 @@ class purge {
   bool at_work_ = false;
   bool all_seen_ = true;  // no edges() threw
   bool gave_up_ = false;  // in this call, for want of memory
+  bool rests_ = false;    // in this call
+  unsigned rest_ = 0;     // of this call's budget
+  typename clock::time_point ended_{};
+  std::chrono::nanoseconds took_{0};  // the last one, or this one so far
   std::uint64_t retry_after_ = 0;
   std::uint64_t retry_in_ = 0;  // calls; 1: now; 0: never
   address_table<stuck> stuck_;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <random>
 #include <set>
@@ -188,6 +189,67 @@ TEST_F(Purge, IsNotRepeatedWhileNothingChanges) {
 }
 
 // A reference that no edges() describes cannot be told from one that was missed: ever fewer attempts.
+// However often something new is stuck, walks through the map take no more than their share.
+TEST_F(Purge, RestsAfterEachWalk) {
+  node* last = nullptr;
+  const auto make_stuck = [&] {
+    const online scope(me);
+    last->stale = new node;
+    slamgc::retire(last->stale.get());
+  };
+  slamgc::budget paced;
+  paced.purge_rest = std::numeric_limits<unsigned>::max();  // times a microsecond: an hour
+  {
+    const online scope(me);
+    last = chain(1000);
+  }
+  make_stuck();
+  (void)domain.collect(paced);
+  EXPECT_EQ(node::live(), 1000) << "there was none to rest from";
+  for (int i = 0; i != 3; ++i) {
+    make_stuck();
+    const long before = node::walks;
+    for (int calls = 0; calls != 10; ++calls)
+      EXPECT_EQ(domain.collect(paced).result, collected::outcome::done);
+    EXPECT_LE(node::walks - before, 10) << "only what is retired is looked at";
+    EXPECT_EQ(node::live(), 1001) << "what is stuck waits";
+    if (i == 0) (void)domain.collect();
+    if (i == 1) {
+      EXPECT_EQ(domain.drain(), waited::done);
+    }
+    if (i == 2) {
+      // One more than the last walk took is long enough.
+      paced.purge_rest = 1;
+      while (node::live() != 1000) (void)domain.collect(paced);
+    }
+    EXPECT_EQ(node::live(), 1000);
+  }
+}
+
+// Not twice in one call, either.
+TEST_F(Purge, RestsWithinACallToo) {
+  {
+    const online scope(me);
+    chain(100)->stale = new node;
+    for (node* p = top; p != nullptr; p = p->next)
+      if (p->stale) slamgc::retire(p->stale.get());
+  }
+  node* more = nullptr;
+  node::afterwards = [&](node& n) {  // stuck anew as soon as the first is reclaimed
+    if (more != nullptr || &n != top) return;
+    n.stale = more = new node;
+    slamgc::retire(more);
+  };
+  slamgc::budget paced;
+  paced.purge_rest = std::numeric_limits<unsigned>::max();
+  (void)domain.collect(paced);
+  node::afterwards = nullptr;
+  ASSERT_NE(more, nullptr);
+  EXPECT_EQ(top->stale, more);
+  ASSERT_EQ(domain.drain(), waited::done);
+  EXPECT_EQ(top->stale, nullptr);
+}
+
 TEST_F(Purge, IsRepeatedEverMoreSeldomWhileAPinExplainsNothing) {
   slamgc::intrusive_rc<node> pin;
   {
