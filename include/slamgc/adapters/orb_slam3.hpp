@@ -57,9 +57,9 @@ struct orb_slam_root {
 /// The global bundle adjustments that were asked for and have not ended.
 class orb_slam_adjustments {
  public:
-  /// Those of the process.
+  /// Those of the process. Never destroyed: an adjustment nobody waits for may end after main().
   static orb_slam_adjustments& all() {
-    static orb_slam_adjustments instance;
+    static auto& instance = *new orb_slam_adjustments;
     return instance;
   }
   /// One more, until the last copy of what this returns is gone.
