@@ -5099,16 +5099,25 @@ class basic_domain {
     if (is_online() || is_collecting()) return waited::refused;
     bool refused = false;
     const auto begin = clock::now();
-    const auto ends_with = [&] {
-      budget left;
-      left.time = timeout - std::min<std::chrono::nanoseconds>(timeout, clock::now() - begin);
-      return collect(left, true).result;
-    };
+    // A pass ends when a call has nothing left to do; only the call that begins it is thorough, or it would begin anew for ever what
+    // takes a grace period. The first may only have ended what an earlier call began; the last reclaims nothing.
+    bool begins = true;
+    bool whole = false;
+    std::size_t reclaimed = 0;
     const waited result = wait(timeout, [&] {
-      const outcome now = ends_with();
-      refused = now == outcome::refused;
-      // The first call may only have ended what an earlier one began.
-      return refused || (now == outcome::done && ends_with() == outcome::done);
+      for (;;) {
+        budget left;
+        left.time = timeout - std::min<std::chrono::nanoseconds>(timeout, clock::now() - begin);
+        const collected did = collect(left, begins);
+        refused = did.result == outcome::refused;
+        begins = did.result == outcome::done;
+        reclaimed += did.reclaimed;
+        if (refused) return true;
+        if (!begins) return false;
+        if (whole && reclaimed == 0) return true;
+        whole = true;
+        reclaimed = 0;
+      }
     });
     return refused ? waited::refused : result;
   }

@@ -1,13 +1,17 @@
 // The purge: what the program left of references to retired objects is dropped, wherever it is, whatever happens meanwhile.
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <functional>
+#include <future>
 #include <limits>
 #include <optional>
 #include <random>
 #include <set>
 #include <slamgc/slamgc.hpp>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include "support/instances.hpp"
@@ -189,6 +193,35 @@ TEST_F(Purge, IsNotRepeatedWhileNothingChanges) {
 }
 
 // A reference that no edges() describes cannot be told from one that was missed: ever fewer attempts.
+// What is referred to from where nobody knows is looked for once more by drain(), not again and again, which would take a grace
+// period each time.
+TEST_F(Purge, DrainEndsBesideAMutatorThatIsOnline) {
+  slamgc::pin<node> pinned;
+  {
+    const online scope(me);
+    chain(10);
+    pinned = new node;
+    slamgc::retire(pinned.get());
+  }
+  std::atomic<bool> ends{false};
+  std::promise<void> is_online;
+  std::thread other([&] {
+    slamgc::mutator viewer(domain, "viewer", {false, false});
+    const online scope(viewer);
+    is_online.set_value();
+    while (!ends) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));  // its frame
+      viewer.quiescent();
+    }
+  });
+  is_online.get_future().wait();
+  EXPECT_EQ(domain.drain(std::chrono::seconds(30)), waited::done);
+  ends = true;
+  other.join();
+  EXPECT_EQ(node::live(), 11);
+  pinned.reset();
+}
+
 // However often something new is stuck, walks through the map take no more than their share.
 TEST_F(Purge, RestsAfterEachWalk) {
   node* last = nullptr;
