@@ -5305,6 +5305,10 @@ struct deferred : deferred_base {
     std::uint64_t now = policy::load(state);
     for (;;) {
       const state_word w{now};
+      if (w.count() > 1 && !w.is_saturated()) {  // the most frequent case, and short
+        if (policy::compare_exchange(state, now, now - state_word::count_unit)) return;
+        continue;
+      }
       SLAMGC_ASSERT(w.count() != 0,
                     (misuse_of(object, "removes a reference that was never counted")));
       if (w.count() == 0 || w.is_saturated()) return;
@@ -6134,6 +6138,11 @@ template <class Std>
 struct ends_with_pop_back<Std, std::void_t<decltype(std::declval<Std&>().pop_back())>>
     : std::true_type {};
 
+template <class Std, class = void>
+struct is_contiguous : std::false_type {};
+template <class Std>
+struct is_contiguous<Std, std::void_t<decltype(std::declval<Std&>().data())>> : std::true_type {};
+
 /// A standard container of raw pointers whose references are counted.
 ///
 /// Invariant, outside of member functions and of an edit scope: each occurrence of a pointer in
@@ -6272,22 +6281,27 @@ class counted_container : private counted_member<Std> {
     other.move_all();
     std_.swap(other.std_);
   }
-  /// Removes all references and keeps the capacity. One by one, since moving the whole away would copy
-  /// a comparator, which may throw.
+  /// Removes all references and keeps the capacity. One by one, but for vectors, since moving the whole away would copy a
+  /// comparator, which may throw.
   void clear_content() noexcept {
     if (std_.empty()) return;
     const counted_scope<T> until_final;
-    do {
-      T* gone;
-      if constexpr (ends_with_pop_back<Std>::value) {
-        gone = reference_of(std_.back());
-        std_.pop_back();
-      } else {
-        gone = reference_of(*std_.begin());
-        std_.erase(std_.begin());
-      }
-      detail::drop_reference(gone);
-    } while (!std_.empty());
+    if constexpr (is_contiguous<Std>::value) {
+      for (value_type& place : std_) detail::drop_reference(std::exchange(place, nullptr));
+      std_.clear();
+    } else {
+      do {
+        T* gone;
+        if constexpr (ends_with_pop_back<Std>::value) {
+          gone = reference_of(std_.back());
+          std_.pop_back();
+        } else {
+          gone = reference_of(*std_.begin());
+          std_.erase(std_.begin());
+        }
+        detail::drop_reference(gone);
+      } while (!std_.empty());
+    }
   }
 
   static T* reference_of(const value_type& value) noexcept { return Reference()(value); }
@@ -7309,19 +7323,37 @@ class rc_vector
   void add_from(size_type index, size_type n) noexcept {
     for (size_type i = index; i != index + n; ++i) detail::add_reference(std_[i]);
   }
+  /// Most of a frame's matches are null before and after.
+  static bool four_equal(T* const* a, T* const* b) noexcept {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2] && a[3] == b[3];
+  }
   /// In place where the capacity suffices: no allocation, and no count for what stays. What comes is
   /// counted before anything is uncounted: the same object may go here and come there.
   void assign_pointers(const std_vector& content) {
     if (&content == &std_) return;
     std_.reserve(content.size());
     const size_type common = std_.size() < content.size() ? std_.size() : content.size();
-    for (size_type i = 0; i != common; ++i)
-      if (std_[i] != content[i]) detail::add_reference(content[i]);
+    // What waits for a collector anyway may be uncounted for a moment: one pass does.
+    constexpr bool at_once = detail::is_deferred<T>::value;
+    if (!at_once)
+      for (size_type i = 0; i != common; ++i)
+        if (std_[i] != content[i]) detail::add_reference(content[i]);
     std_.insert(std_.end(), content.begin() + static_cast<std::ptrdiff_t>(common), content.end());
     add_from(common, content.size() - common);
     const detail::counted_scope<T> until_final;
-    for (size_type i = 0; i != common; ++i)
-      if (std_[i] != content[i]) detail::drop_reference(std::exchange(std_[i], content[i]));
+    T** to = std_.data();
+    T* const* from = content.data();
+    for (T** const end = to + common; to != end; ++to, ++from) {
+      T* const goes = *to;
+      T* const comes = *from;
+      if (goes == comes) {
+        for (; end - to > 4 && four_equal(to + 1, from + 1); to += 4) from += 4;
+        continue;
+      }
+      if (at_once) detail::add_reference(comes);
+      *to = comes;
+      detail::drop_reference(goes);
+    }
     erase(std_.begin() + static_cast<std::ptrdiff_t>(content.size()), std_.end());
   }
 };

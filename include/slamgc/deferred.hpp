@@ -72,6 +72,10 @@ struct deferred : deferred_base {
     std::uint64_t now = policy::load(state);
     for (;;) {
       const state_word w{now};
+      if (w.count() > 1 && !w.is_saturated()) {  // the most frequent case, and short
+        if (policy::compare_exchange(state, now, now - state_word::count_unit)) return;
+        continue;
+      }
       SLAMGC_ASSERT(w.count() != 0,
                     (misuse_of(object, "removes a reference that was never counted")));
       if (w.count() == 0 || w.is_saturated()) return;

@@ -321,31 +321,35 @@ template <class Map, class F, class... Args>
 /// Reclaims what ORB-SLAM3 marks: a member of `System`.
 ///
 /// ```
-/// mSlamgc.start(*mpTracker, *this, *mpAtlas, *mpFrameDrawer);                     // in System's constructor
-/// const slamgc::orb_slam3::frame here(mSlamgc);                                   // first line of each TrackX
-/// mSlamgc.end(*mpTracker, *this, *mpLocalMapper, *mpLoopCloser, *mpAtlas, *mpFrameDrawer);  // ~System
+/// mSlamgc.start(*this);                              // in System's constructor
+/// const slamgc::orb_slam3::frame here(mSlamgc);      // first line of each TrackX
+/// mSlamgc.stop();                                    // in Shutdown()
+/// System::~System() { mSlamgc.end(*this); }
 /// ```
 class session {
  public:
-  /// What purges start from. @p tracker is what a frame's thread owns; @p parts are those that several threads change, under their
-  /// locks. Does not compile while a member of theirs, or of keyframes, points and maps, is a raw pointer. Throws std::bad_alloc.
+  /// What purges start from, for a program that has other parts than ORB-SLAM3's System. @p tracker is what a frame's thread
+  /// owns; @p parts are those that several threads change, under their locks. Does not compile while a member of theirs, or of
+  /// keyframes, points and maps, is a raw pointer, unless own() empties it. Throws std::bad_alloc.
   template <class Tracking, class... Parts>
   void add(Tracking& tracker, Parts&... parts) {
     (..., access::check<Parts>());
     own(tracker);
     (..., put(default_domain(), parts));
   }
-  /// add(), and start().
-  template <class Tracking, class... Parts>
-  void start(Tracking& tracker, Parts&... parts) {
-    add(tracker, parts...);
-    start();
-  }
-  /// For a program that runs another part on tracking's thread.
+  /// For a program that runs another part on tracking's thread. Members that are filled anew before they are used need not be
+  /// counted: the end of each `frame` empties them. Throws std::bad_alloc.
   template <class Part>
   void own(Part& part) {
-    access::check<Part>();
+    access::check_own_thread<Part>();
     put(tracking_, part);
+    forget_.push_back([&part] { access::forget(part); });
+  }
+  /// add() with what @p system consists of, and start(): the last line of its constructor.
+  template <class System>
+  void start(System& system) {
+    access::with_shared_parts(system, [this](auto&... parts) { add(parts...); });
+    start();
   }
   /// Begins to reclaim, on a thread of its own. Without it a program calls `slamgc::default_domain().collect()` itself.
   /// Throws what starting a thread throws.
@@ -371,15 +375,31 @@ class session {
     }
     return result;
   }
+  /// Ends @p system, in its destructor: asks its threads to finish, with Shutdown() and Viewer::RequestFinish(), joins those that
+  /// can be joined, and ends the parts. Threads that do not finish are waited for without an end. Returns what end(parts...) does.
+  template <class System>
+  waited end(System& system) {
+    access::join_threads(system);
+    return access::with_all_parts(system, [this](auto&... parts) { return end_parts(parts...); });
+  }
   /// Ends: a global bundle adjustment that still runs is asked to stop, and waited for, if adjusting() began it; each part forgets what
   /// it refers to, maps are cleared, and what they held is reclaimed. No other thread uses the system any more, and no frame
   /// is open. Returns waited::done if nothing is left that can be reclaimed: what the program pins stays, see stats().
+  template <class First, class Second, class... Parts>
+  waited end(First& first, Second& second, Parts&... parts) {
+    return end_parts(first, second, parts...);
+  }
+
+ private:
+  friend class frame;
+
   template <class... Parts>
-  waited end(Parts&... parts) {
+  waited end_parts(Parts&... parts) {
     stop();
     (..., access::stop_adjustment(parts));
     detail::orb_slam_adjustments::all().wait();
     roots_.clear();
+    forget_.clear();
     {
       const thread here("System");
       (..., access::clear(parts));
@@ -387,16 +407,14 @@ class session {
     return default_domain().drain();
   }
 
- private:
-  friend class frame;
-
   template <class Of, class Part>
   void put(Of& of, Part& part) {
     roots_.push_back(std::make_shared<detail::orb_slam_root<Part>>(of, access::name<Part>(), part));
   }
 
   mutator tracking_{"Tracking", {false, true, true}};
-  std::vector<std::shared_ptr<void>> roots_;  // orb_slam_roots
+  std::vector<std::shared_ptr<void>> roots_;   // orb_slam_roots
+  std::vector<std::function<void()>> forget_;  // what their raw members refer to
   std::unique_ptr<background_reclaimer> reclaimer_;
   std::mutex stopping_;
 };
@@ -406,9 +424,16 @@ class session {
 class frame {
  public:
   /// Goes online.
-  explicit frame(session& of) : online_(of.tracking_) {}
+  explicit frame(session& of) : session_(of), online_(of.tracking_) {}
+  /// Empties what the tracker need not count, and goes offline.
+  ~frame() {
+    for (const auto& forget : session_.forget_) forget();
+  }
+  frame(const frame&) = delete;
+  frame& operator=(const frame&) = delete;
 
  private:
+  session& session_;
   mutator::online_scope online_;
 };
 

@@ -238,19 +238,37 @@ class rc_vector
   void add_from(size_type index, size_type n) noexcept {
     for (size_type i = index; i != index + n; ++i) detail::add_reference(std_[i]);
   }
+  /// Most of a frame's matches are null before and after.
+  static bool four_equal(T* const* a, T* const* b) noexcept {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2] && a[3] == b[3];
+  }
   /// In place where the capacity suffices: no allocation, and no count for what stays. What comes is
   /// counted before anything is uncounted: the same object may go here and come there.
   void assign_pointers(const std_vector& content) {
     if (&content == &std_) return;
     std_.reserve(content.size());
     const size_type common = std_.size() < content.size() ? std_.size() : content.size();
-    for (size_type i = 0; i != common; ++i)
-      if (std_[i] != content[i]) detail::add_reference(content[i]);
+    // What waits for a collector anyway may be uncounted for a moment: one pass does.
+    constexpr bool at_once = detail::is_deferred<T>::value;
+    if (!at_once)
+      for (size_type i = 0; i != common; ++i)
+        if (std_[i] != content[i]) detail::add_reference(content[i]);
     std_.insert(std_.end(), content.begin() + static_cast<std::ptrdiff_t>(common), content.end());
     add_from(common, content.size() - common);
     const detail::counted_scope<T> until_final;
-    for (size_type i = 0; i != common; ++i)
-      if (std_[i] != content[i]) detail::drop_reference(std::exchange(std_[i], content[i]));
+    T** to = std_.data();
+    T* const* from = content.data();
+    for (T** const end = to + common; to != end; ++to, ++from) {
+      T* const goes = *to;
+      T* const comes = *from;
+      if (goes == comes) {
+        for (; end - to > 4 && four_equal(to + 1, from + 1); to += 4) from += 4;
+        continue;
+      }
+      if (at_once) detail::add_reference(comes);
+      *to = comes;
+      detail::drop_reference(goes);
+    }
     erase(std_.begin() + static_cast<std::ptrdiff_t>(content.size()), std_.end());
   }
 };

@@ -22,6 +22,11 @@ template <class Std>
 struct ends_with_pop_back<Std, std::void_t<decltype(std::declval<Std&>().pop_back())>>
     : std::true_type {};
 
+template <class Std, class = void>
+struct is_contiguous : std::false_type {};
+template <class Std>
+struct is_contiguous<Std, std::void_t<decltype(std::declval<Std&>().data())>> : std::true_type {};
+
 /// A standard container of raw pointers whose references are counted.
 ///
 /// Invariant, outside of member functions and of an edit scope: each occurrence of a pointer in
@@ -160,22 +165,27 @@ class counted_container : private counted_member<Std> {
     other.move_all();
     std_.swap(other.std_);
   }
-  /// Removes all references and keeps the capacity. One by one, since moving the whole away would copy
-  /// a comparator, which may throw.
+  /// Removes all references and keeps the capacity. One by one, but for vectors, since moving the whole away would copy a
+  /// comparator, which may throw.
   void clear_content() noexcept {
     if (std_.empty()) return;
     const counted_scope<T> until_final;
-    do {
-      T* gone;
-      if constexpr (ends_with_pop_back<Std>::value) {
-        gone = reference_of(std_.back());
-        std_.pop_back();
-      } else {
-        gone = reference_of(*std_.begin());
-        std_.erase(std_.begin());
-      }
-      detail::drop_reference(gone);
-    } while (!std_.empty());
+    if constexpr (is_contiguous<Std>::value) {
+      for (value_type& place : std_) detail::drop_reference(std::exchange(place, nullptr));
+      std_.clear();
+    } else {
+      do {
+        T* gone;
+        if constexpr (ends_with_pop_back<Std>::value) {
+          gone = reference_of(std_.back());
+          std_.pop_back();
+        } else {
+          gone = reference_of(*std_.begin());
+          std_.erase(std_.begin());
+        }
+        detail::drop_reference(gone);
+      } while (!std_.empty());
+    }
   }
 
   static T* reference_of(const value_type& value) noexcept { return Reference()(value); }

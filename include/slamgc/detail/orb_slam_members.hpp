@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <mutex>
+#include <thread>
 #include <type_traits>
 #include <utility>
 
@@ -163,6 +164,37 @@ class orb_slam_members {
     forgetting all;
     part(all, p);
   }
+  /// Calls @p f with the parts of a system that purges start from, its tracker first.
+  template <class System, class F>
+  static auto with_shared_parts(System& s, F f) {
+    if constexpr (has<System>(an_atlas))
+      return f(*s.mpTracker, s, *s.mpAtlas, *s.mpFrameDrawer);
+    else
+      return f(*s.mpTracker, s, *s.mpMap);  // ORB-SLAM2
+  }
+  /// Calls @p f with all parts of a system.
+  template <class System, class F>
+  static auto with_all_parts(System& s, F f) {
+    return with_shared_parts(
+        s, [&](auto&... shared) { return f(shared..., *s.mpLocalMapper, *s.mpLoopCloser); });
+  }
+  /// Asks a system's threads to finish, and waits for them. May be called again.
+  template <class System>
+  static void join_threads(System& s) {
+    const auto is_shut_down = [](auto& o) -> decltype(o.isShutDown()) { return o.isShutDown(); };
+    if constexpr (has<System>(is_shut_down)) {
+      if (!is_shut_down(s)) s.Shutdown();
+    } else {
+      s.Shutdown();  // ORB-SLAM2's may be called again
+    }
+    (void)is_shut_down;
+    join(s.mptLocalMapping);
+    join(s.mptLoopClosing);
+    if (s.mpViewer != nullptr) {
+      s.mpViewer->RequestFinish();
+      join(s.mptViewer);
+    }
+  }
   /// Asks a global bundle adjustment to stop, if the part runs one, and has a lock for that.
   template <class Part>
   static void stop_adjustment(Part& p) {
@@ -196,6 +228,12 @@ class orb_slam_members {
   static constexpr auto in_index = [](auto& o) -> decltype((o.mRedundancy)) {
     return o.mRedundancy;
   };
+
+  static constexpr auto an_atlas = [](auto& o) -> decltype((o.mpAtlas)) { return o.mpAtlas; };
+  static void join(std::thread& t) {
+    if (t.joinable()) t.join();
+  }
+  static void join(std::thread* t) { join(*t); }
 
   // ---- members
 
@@ -346,8 +384,14 @@ class orb_slam_members {
                "mInitialFrame.mpLastKeyFrame");
     member(v, "mpReferenceKF", t.mpReferenceKF);
     member(v, "mpLastKeyFrame", t.mpLastKeyFrame);
-    member(v, "mvpLocalKeyFrames", t.mvpLocalKeyFrames, on_retire::erase);
-    member(v, "mvpLocalMapPoints", t.mvpLocalMapPoints, on_retire::erase);
+    scratch(
+        v, "mvpLocalKeyFrames", t,
+        [](auto& o) -> decltype((o.mvpLocalKeyFrames)) { return o.mvpLocalKeyFrames; },
+        on_retire::erase);
+    scratch(
+        v, "mvpLocalMapPoints", t,
+        [](auto& o) -> decltype((o.mvpLocalMapPoints)) { return o.mvpLocalMapPoints; },
+        on_retire::erase);
     member(v, "mlpTemporalPoints", t.mlpTemporalPoints);
   }
   template <class Visitor, class LocalMapping>

@@ -6,6 +6,7 @@
 #include <list>
 #include <mutex>
 #include <set>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -116,6 +117,31 @@ struct LoopClosing {
   slamgc::rc_vector<MapPoint> mvpCurrentMatchedPoints, mvpLoopMapPoints;
 };
 
+struct LocalMapping {
+  slamgc::registry<slamgc::rc_list<KeyFrame>> mlNewKeyFrames;
+  slamgc::rc_slot<KeyFrame> mpCurrentKeyFrame;
+  slamgc::rc_list<MapPoint> mlpRecentAddedMapPoints;
+  std::mutex mMutexNewKFs;
+};
+
+struct Viewer {
+  void RequestFinish() {}
+};
+
+// Its Shutdown() waits for the threads, does not join them, and may be called again.
+struct System {
+  void Shutdown() { ++shut_downs; }
+  int shut_downs = 0;
+  Tracking* mpTracker;
+  Map* mpMap;
+  LocalMapping* mpLocalMapper;
+  LoopClosing* mpLoopCloser;
+  Viewer* mpViewer = nullptr;
+  std::thread *mptLocalMapping, *mptLoopClosing, *mptViewer = nullptr;
+  slamgc::rc_vector<MapPoint> mTrackedMapPoints;
+  std::mutex mMutexState;
+};
+
 class OrbSlam2Adapter : public ::testing::Test {
  protected:
   Tracking tracker;
@@ -153,6 +179,36 @@ TEST_F(OrbSlam2Adapter, LoopClosingForgetsWhatIsBad) {
     EXPECT_EQ(tracker.mlpReferences.back().Trw({{1}}).values[0], 15);
   }
   EXPECT_EQ(slamgc_.end(tracker, closer, map), waited::done);
+  EXPECT_EQ(KeyFrame::live(), 0);
+}
+
+TEST_F(OrbSlam2Adapter, ASystemEndsWithItsThreads) {
+  LocalMapping mapper;
+  Viewer viewer;
+  std::thread mapping([] {}), closing([] {}), viewing([] {});
+  System system;
+  system.mpTracker = &tracker;
+  system.mpMap = &map;
+  system.mpLocalMapper = &mapper;
+  system.mpLoopCloser = &closer;
+  system.mpViewer = &viewer;
+  system.mptLocalMapping = &mapping;
+  system.mptLoopClosing = &closing;
+  system.mptViewer = &viewing;
+  slamgc_.start(system);
+  {
+    const frame here(slamgc_);
+    auto* const pKF = new KeyFrame;
+    map.AddKeyFrame(pKF);
+    tracker.mvpLocalKeyFrames.push_back(pKF);
+    mapper.mpCurrentKeyFrame = pKF;
+    closer.mlpLoopKeyFrameQueue.push_back(pKF);
+  }
+  closing.join();  // by the program itself
+  EXPECT_EQ(slamgc_.end(system), waited::done);
+  EXPECT_EQ(system.shut_downs, 1);
+  EXPECT_FALSE(mapping.joinable());
+  EXPECT_FALSE(viewing.joinable());
   EXPECT_EQ(KeyFrame::live(), 0);
 }
 

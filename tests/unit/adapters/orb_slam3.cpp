@@ -185,10 +185,10 @@ class Tracking {
   Frame mCurrentFrame, mLastFrame, mInitialFrame;
   std::list<reference> mlpReferences;
   slamgc::rc_vector<KeyFrame> mvpLocalKeyFrames;
+  std::vector<MapPoint*> mvpLocalMapPoints;  // the end of a frame empties it
 
  private:
   slamgc::rc_slot<KeyFrame> mpReferenceKF, mpLastKeyFrame;
-  slamgc::rc_vector<MapPoint> mvpLocalMapPoints;
   slamgc::registry<slamgc::rc_list<MapPoint>> mlpTemporalPoints;
 };
 
@@ -219,6 +219,103 @@ class LoopClosing {
   std::vector<std::pair<std::set<KeyFrame*>, int>> mvConsistentGroups;
   slamgc::rc_slot<KeyFrame> mpLoopMatchedKF, mpMergeMatchedKF;
   bool mbStopGBA = false;
+};
+
+class LocalMapping {
+  friend access;
+
+ public:
+  slamgc::rc_list<MapPoint> mlpRecentAddedMapPoints;
+
+ private:
+  slamgc::registry<slamgc::rc_list<KeyFrame>> mlNewKeyFrames;
+  slamgc::rc_slot<KeyFrame> mpCurrentKeyFrame;
+  std::mutex mMutexNewKFs;
+};
+
+class FrameDrawer {
+  friend access;
+  Frame mCurrentFrame;
+  std::vector<MapPoint*> mvpLocalMap;
+  std::mutex mMutex;
+};
+
+// What a Viewer has of a thread.
+class Viewer {
+ public:
+  void RequestFinish() { finish_.set_value(); }
+  void Run() { finish_.get_future().wait(); }
+
+ private:
+  std::promise<void> finish_;
+};
+
+class System {
+  friend access;
+
+ public:
+  System(bool with_viewer, waited& ended) : ended_(ended) {
+    mptLocalMapping = new std::thread([this] { Run("LocalMapping", mapper_, finish_mapping_); });
+    mptLoopClosing = new std::thread([this] { Run("LoopClosing", closer_, finish_closing_); });
+    if (with_viewer) {
+      mpViewer = &viewer_;
+      mptViewer = new std::thread(&Viewer::Run, mpViewer);
+    }
+    mSlamgc.start(*this);
+  }
+  ~System() {
+    ended_ = mSlamgc.end(*this);
+    delete mptLocalMapping;
+    delete mptLoopClosing;
+    delete mptViewer;
+  }
+  void Track() {
+    const frame here(mSlamgc);
+    if (map_ == nullptr) map_ = mpAtlas->CreateNewMap();
+    auto* const pKF = new KeyFrame(0);
+    auto* const pMP = new MapPoint;
+    map_->AddKeyFrame(pKF);
+    map_->AddMapPoint(pMP);
+    mpTracker->mvpLocalKeyFrames.push_back(pKF);
+    mpTracker->mvpLocalMapPoints.push_back(pMP);
+    mTrackedMapPoints.push_back(pMP);
+    mapper_.mlpRecentAddedMapPoints.push_back(pMP);
+  }
+  bool isShutDown() const { return shut_down_ != 0; }
+  void Shutdown() {
+    EXPECT_EQ(++shut_down_, 1);
+    mSlamgc.stop();
+    finish_mapping_.set_value();
+    finish_closing_.set_value();
+  }
+
+ private:
+  template <class Part>
+  void Run(const char* name, Part& part, std::promise<void>& finish) {
+    const slamgc::orb_slam3::thread me(name, part);
+    finish.get_future().wait();
+  }
+
+  waited& ended_;
+  int shut_down_ = 0;
+  Tracking tracker_;
+  Atlas atlas_;
+  FrameDrawer drawer_;
+  LocalMapping mapper_;
+  LoopClosing closer_;
+  Viewer viewer_;
+  Map* map_ = nullptr;
+  std::promise<void> finish_mapping_, finish_closing_;
+  Tracking* mpTracker = &tracker_;
+  Atlas* mpAtlas = &atlas_;
+  FrameDrawer* mpFrameDrawer = &drawer_;
+  LocalMapping* mpLocalMapper = &mapper_;
+  LoopClosing* mpLoopCloser = &closer_;
+  Viewer* mpViewer = nullptr;
+  std::thread *mptLocalMapping, *mptLoopClosing, *mptViewer = nullptr;
+  slamgc::rc_vector<MapPoint> mTrackedMapPoints;
+  std::mutex mMutexState;
+  session mSlamgc;
 };
 
 class OrbSlam3Adapter : public ::testing::Test {
@@ -447,6 +544,19 @@ TEST_F(OrbSlam3Adapter, ALoopCloserIsEmptiedOfWhatItDoesNotCount) {
   EXPECT_EQ(KeyFrame::live(), 0);
 }
 
+TEST_F(OrbSlam3Adapter, TheEndOfAFrameEmptiesWhatTheTrackerDoesNotCount) {
+  {
+    const frame here(slamgc_);
+    map = atlas.CreateNewMap();
+    auto* const point = new MapPoint;
+    map->AddMapPoint(point);
+    tracker.mvpLocalMapPoints.push_back(point);
+    tracker.mvpLocalKeyFrames.push_back(Good(0));
+  }
+  EXPECT_TRUE(tracker.mvpLocalMapPoints.empty());
+  EXPECT_EQ(tracker.mvpLocalKeyFrames.size(), 1u);  // counted: stays
+}
+
 TEST_F(OrbSlam3Adapter, TheEndStopsAnAdjustmentAndWaitsForIt) {
   LoopClosing closer;
   std::thread adjuster;
@@ -514,24 +624,21 @@ TEST_F(OrbSlam3Adapter, AReclaimerOfItsOwn) {
   EXPECT_EQ(slamgc_.drain(), waited::refused);
 }
 
-TEST(OrbSlam3AdapterAlone, StartsAtOnce) {
-  Tracking tracker;
-  Atlas atlas;
-  session slamgc;
-  slamgc.start(tracker, atlas);
-  {
-    const frame here(slamgc);
-    auto* const pKF = new KeyFrame(0);
-    Map* const pMap = atlas.CreateNewMap();
-    tracker.mvpLocalKeyFrames.push_back(pKF);
-    pMap->AddKeyFrame(pKF);
-    pMap->EraseKeyFrame(pKF);
-    pKF->SetBadFlag();
-  }
-  // What the tracker refers to is purged in its next frames.
-  while (KeyFrame::live() != 0) const frame next(slamgc);
-  EXPECT_TRUE(tracker.mvpLocalKeyFrames.empty());
-  EXPECT_EQ(slamgc.end(tracker, atlas), waited::done);
+TEST(OrbSlam3AdapterAlone, ASystemEndsWithItsThreads) {
+  for (const bool with_viewer : {false, true})
+    for (const bool shut_down_before : {false, true}) {
+      waited ended = waited::refused;
+      {
+        System system(with_viewer, ended);
+        system.Track();
+        system.Track();
+        if (shut_down_before) system.Shutdown();
+      }
+      EXPECT_EQ(ended, waited::done);
+      EXPECT_EQ(KeyFrame::live(), 0);
+      EXPECT_EQ(MapPoint::live(), 0);
+      EXPECT_EQ(Map::live(), 0);
+    }
 }
 
 // The measuring step: a member that is not counted is not described, and nobody collects.

@@ -166,4 +166,32 @@ void list_step(model<slamgc::rc_list<node>>& m) {
 TEST(ContainerModel, Vector) { run_model<slamgc::rc_vector<node>>(vector_step); }
 TEST(ContainerModel, List) { run_model<slamgc::rc_list<node>>(list_step); }
 
+struct late_node
+    : slamgc::rc_object<late_node, slamgc::fetch_add_counter, slamgc::reclaim_deferred> {};
+
+// What waits for a collector is counted and uncounted in one pass.
+TEST(ContainerModel, AVectorOfDeferredObjectsIsAssigned) {
+  {
+    const slamgc::mutator me("sequences");
+    slamgc::rc_vector<late_node> owners, counted;
+    for (int i = 0; i != 5; ++i) owners.push_back(new late_node);
+    std::mt19937 random(1);
+    const auto below = [&](std::size_t n) {
+      return std::uniform_int_distribution<std::size_t>(0, n - 1)(random);
+    };
+    for (int step = 0; step != 2000; ++step) {
+      std::vector<late_node*> next = counted;
+      next.resize(below(20), owners.raw()[below(5)]);
+      for (std::size_t n = below(4); n != 0 && !next.empty(); --n)
+        next[below(next.size())] = below(3) == 0 ? nullptr : owners.raw()[below(5)];
+      counted = next;
+      ASSERT_EQ(counted.raw(), next);
+      for (late_node* p : owners)
+        ASSERT_EQ(p->use_count(),
+                  1u + static_cast<std::size_t>(std::count(next.begin(), next.end(), p)));
+    }
+  }
+  EXPECT_EQ(slamgc::default_domain().drain(), slamgc::waited::done);
+}
+
 }  // namespace
