@@ -50,6 +50,8 @@ struct pose_record {
   typename S::template reference<KeyFrame<S>, pose_record> parent{};
 };
 
+// Functions that only read are not inlined, as in ORB-SLAM3, where they have files of their own: so the schemes' instructions
+// differ by what the schemes do.
 template <class S>
 class KeyFrame : public mortal<kind::keyframe>,
                  public S::template object<KeyFrame<S>>,
@@ -100,7 +102,7 @@ class KeyFrame : public mortal<kind::keyframe>,
     S::assign(mvpOrderedConnectedKeyFrames, sorted);
     mvOrderedWeights = std::move(weights);
   }
-  locals<S, KeyFrame> GetBestCovisibilityKeyFrames(std::size_t most) {
+  [[gnu::noinline]] locals<S, KeyFrame> GetBestCovisibilityKeyFrames(std::size_t most) {
     this->used();
     const lock l(mMutexConnections);
     return copied<S, KeyFrame>(mvpOrderedConnectedKeyFrames, most);
@@ -119,7 +121,7 @@ class KeyFrame : public mortal<kind::keyframe>,
     mvpMapPoints[i] = p;
   }
   // With nulls: the index is the feature's.
-  locals<S, Point> GetMapPointMatches() {
+  [[gnu::noinline]] locals<S, Point> GetMapPointMatches() {
     this->used();
     const lock l(mMutexFeatures);
     return copied<S, Point>(mvpMapPoints);
@@ -159,12 +161,12 @@ class KeyFrame : public mortal<kind::keyframe>,
     mPrevKF = previous;
     mNextKF = next;
   }
-  local<S, KeyFrame> GetParent() {
+  [[gnu::noinline]] local<S, KeyFrame> GetParent() {
     this->used();
     const lock l(mMutexConnections);
     return S::template local_of<KeyFrame>(mpParent);
   }
-  locals<S, KeyFrame> GetChilds() {
+  [[gnu::noinline]] locals<S, KeyFrame> GetChilds() {
     this->used();
     const lock l(mMutexConnections);
     return copied<S, KeyFrame>(mspChildrens);
@@ -178,7 +180,7 @@ class KeyFrame : public mortal<kind::keyframe>,
     const lock l(mMutexConnections);
     mbBad = true;
   }
-  bool isBad() {
+  [[gnu::noinline]] bool isBad() {
     this->used();
     const lock l(mMutexConnections);
     return mbBad;
@@ -261,7 +263,7 @@ class MapPoint : public mortal<kind::point>, public S::template object<MapPoint<
     mObservations.erase(kf);
     if (S::plain(mpRefKF) == kf) mpRefKF = first_observer();
   }
-  std::vector<std::pair<local<S, Frame>, std::size_t>> GetObservations() {
+  [[gnu::noinline]] std::vector<std::pair<local<S, Frame>, std::size_t>> GetObservations() {
     this->used();
     std::vector<std::pair<local<S, Frame>, std::size_t>> all;
     const lock l(mMutexFeatures);
@@ -273,12 +275,12 @@ class MapPoint : public mortal<kind::point>, public S::template object<MapPoint<
     }
     return all;
   }
-  std::size_t Observations() {
+  [[gnu::noinline]] std::size_t Observations() {
     this->used();
     const lock l(mMutexFeatures);
     return mObservations.size();
   }
-  local<S, MapPoint> GetReplaced() {
+  [[gnu::noinline]] local<S, MapPoint> GetReplaced() {
     this->used();
     const lock l(mMutexFeatures);
     return S::template local_of<MapPoint>(mpReplaced);
@@ -302,18 +304,18 @@ class MapPoint : public mortal<kind::point>, public S::template object<MapPoint<
     }
     this->die();
   }
-  bool isBad() {
+  [[gnu::noinline]] bool isBad() {
     this->used();
     const lock l(mMutexFeatures);
     const lock m(mMutexPos);
     return mbBad;
   }
-  descriptor GetDescriptor() {
+  [[gnu::noinline]] descriptor GetDescriptor() {
     this->used();
     const lock l(mMutexFeatures);
     return own.best;
   }
-  std::array<float, 3> GetWorldPos() {
+  [[gnu::noinline]] std::array<float, 3> GetWorldPos() {
     this->used();
     const lock l(mMutexPos);
     return own.mWorldPos;

@@ -26,6 +26,13 @@ struct deferred {
   template <class T>
   using vector = slamgc::rc_vector<T>;
   template <class T>
+  using frame_vector =
+      std::vector<T*>;  // as in docs/orb-slam3.md: not counted, and empty when the frame is over
+  template <class T>
+  static void end_frame(std::vector<T*>& v) {
+    v.clear();
+  }
+  template <class T>
   using chosen_vector = slamgc::rc_vector<T>;
   template <class T>
   using list = slamgc::rc_list<T>;
@@ -67,6 +74,10 @@ struct deferred {
   }
   template <class T>
   static void assign(slamgc::rc_vector<T>& to, const std::vector<T*>& from) {
+    to = from;
+  }
+  template <class T>
+  static void assign(std::vector<T*>& to, const std::vector<T*>& from) {
     to = from;
   }
   template <class T, class Record>

@@ -32,6 +32,10 @@ struct retire_sets : no_threads {
   template <class T>
   using vector = std::conditional_t<All, slamgc::rc_vector<T>, std::vector<T*>>;
   template <class T>
+  using frame_vector = vector<T>;
+  template <class Vector>
+  static void end_frame(Vector&) {}
+  template <class T>
   using chosen_vector = slamgc::rc_vector<T>;
   template <class T>
   using list = std::conditional_t<All, slamgc::rc_list<T>, std::list<T*>>;

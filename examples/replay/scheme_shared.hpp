@@ -67,6 +67,10 @@ struct shared_pointers : no_threads {
   template <class T>
   using vector = std::vector<shared_pointer<T>>;
   template <class T>
+  using frame_vector = vector<T>;
+  template <class Vector>
+  static void end_frame(Vector&) {}
+  template <class T>
   using chosen_vector = vector<T>;
   template <class T>
   using list = std::list<shared_pointer<T>>;

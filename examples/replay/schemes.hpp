@@ -4,6 +4,7 @@
 //   object<T>                 base class
 //   pointer, vector, list,    members that refer to others
 //   set, registry
+//   frame_vector              members that are filled anew in each frame; end_frame() when it is over
 //   chosen_map, chosen_vector, the three members that the thesis counts: mConnectedKeyFrameWeights,
 //   observations              mvpOrderedConnectedKeyFrames, mObservations
 //   up_pointer                MapPoint::mpRefKF
@@ -57,6 +58,10 @@ struct raw_pointers : no_threads {
   using up_pointer = T*;
   template <class T>
   using vector = std::vector<T*>;
+  template <class T>
+  using frame_vector = vector<T>;
+  template <class Vector>
+  static void end_frame(Vector&) {}
   template <class T>
   using chosen_vector = std::vector<T*>;
   template <class T>

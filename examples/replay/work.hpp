@@ -47,6 +47,8 @@ class tracking_work {
     w.map.SetReferenceMapPoints(local_points_);
     S::assign(w.tracker.mvpLocalKeyFrames, local_keyframes_);
     S::assign(w.tracker.mvpLocalMapPoints, local_points_);
+    S::end_frame(w.tracker.mvpLocalKeyFrames);
+    S::end_frame(w.tracker.mvpLocalMapPoints);
     S::assign(w.tracker.mLastFrame_mvpMapPoints, current_);
     w.tracker.mpReferenceKF = reference;
     current_.clear();

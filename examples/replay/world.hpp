@@ -15,8 +15,8 @@ namespace replay {
 template <class S>
 struct tracking_members {
   typename S::template vector<MapPoint<S>> mLastFrame_mvpMapPoints;
-  typename S::template vector<KeyFrame<S>> mvpLocalKeyFrames;
-  typename S::template vector<MapPoint<S>> mvpLocalMapPoints;
+  typename S::template frame_vector<KeyFrame<S>> mvpLocalKeyFrames;
+  typename S::template frame_vector<MapPoint<S>> mvpLocalMapPoints;
   typename S::template pointer<KeyFrame<S>> mpReferenceKF{};
   // One for each frame, for ever.
   std::vector<typename S::template reference<KeyFrame<S>, pose_record<S>>> mlpReferences;
@@ -24,8 +24,6 @@ struct tracking_members {
   template <class Visitor>
   void edges(Visitor& v) {
     v.edge("mLastFrame.mvpMapPoints", mLastFrame_mvpMapPoints);  // the next frame starts from them
-    v.edge("mvpLocalKeyFrames", mvpLocalKeyFrames, on::erase);
-    v.edge("mvpLocalMapPoints", mvpLocalMapPoints, on::erase);
     v.edge("mpReferenceKF", mpReferenceKF);
   }
 };
