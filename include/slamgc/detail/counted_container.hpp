@@ -165,13 +165,14 @@ class counted_container : private counted_member<Std> {
     other.move_all();
     std_.swap(other.std_);
   }
-  /// Removes all references and keeps the capacity. One by one, but for vectors, since moving the whole away would copy a
+  /// Removes all references, a sequence's last one first, and keeps the capacity. One by one, but for vectors, since moving the whole away would copy a
   /// comparator, which may throw.
   void clear_content() noexcept {
     if (std_.empty()) return;
     const counted_scope<T> until_final;
     if constexpr (is_contiguous<Std>::value) {
-      for (value_type& place : std_) detail::drop_reference(std::exchange(place, nullptr));
+      for (auto at = std_.rbegin(); at != std_.rend(); ++at)
+        detail::drop_reference(std::exchange(*at, nullptr));
       std_.clear();
     } else {
       do {
