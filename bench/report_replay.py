@@ -22,7 +22,7 @@ ABOUT = {"leak": "plain pointers: ORB-SLAM3", "direct_delete": "`delete` when ma
          "shared_ptr_weak": "`shared_ptr`, `weak_ptr` upwards", "mutex_subset": "counts with a mutex, some members",
          "cas_subset": "counts with compare and swap, some members", "mutex_all": "counts with a mutex, all members",
          "cas_all": "counts with compare and swap, all members", "fetch_add_all": "counts with `fetch_add`, all members",
-         "rcu": "grace periods alone (liburcu)", "deferred": "**slamgc**"}
+         "rcu": "grace periods alone (liburcu)", "boehm": "a conservative collector (libgc)", "deferred": "**slamgc**"}
 
 
 class ReplayResults(Results):

@@ -15,6 +15,9 @@ run_result run_deferred(const run_request&);
 #if defined(REPLAY_WITH_RCU)
 run_result run_rcu(const run_request&);
 #endif
+#if defined(REPLAY_WITH_BOEHM)
+run_result run_boehm(const run_request&);
+#endif
 
 const std::vector<scheme_entry>& all_schemes() {
   static const std::vector<scheme_entry> all = [] {
@@ -41,6 +44,11 @@ const std::vector<scheme_entry>& all_schemes() {
 #if defined(REPLAY_WITH_RCU)
     of.push_back({"rcu", "plain pointers, delete after a grace period: liburcu, for comparison",
                   true, run_rcu});
+#endif
+#if defined(REPLAY_WITH_BOEHM)
+    of.push_back({"boehm",
+                  "plain pointers, nobody deletes; a conservative collector: libgc, for comparison",
+                  false, run_boehm});
 #endif
     return of;
   }();

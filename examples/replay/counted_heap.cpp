@@ -49,6 +49,7 @@ std::int64_t replay::live_bytes() {
   for (const counter& c : all) sum += c.bytes.load(std::memory_order_relaxed);
   return sum;
 }
+void replay::count_bytes(std::int64_t more) { add(more); }
 
 void* operator new(std::size_t n) { return allocate_or_throw(n, 1); }
 void* operator new[](std::size_t n) { return allocate_or_throw(n, 1); }

@@ -14,6 +14,7 @@ thread_local role role_now = role::main;
 thread_local long iteration_now = -1;
 fault_handler handler = nullptr;
 bool counting = false;
+std::atomic<std::int64_t> lap_began_at{0};
 std::atomic<std::uint64_t> counted{0};
 
 std::int64_t of_clock(clockid_t clock) {
@@ -45,6 +46,9 @@ playing::~playing() { role_now = before_; }
 role current_role() { return role_now; }
 void at_iteration(long number) { iteration_now = number; }
 long current_iteration() { return iteration_now; }
+
+void begin_lap() { lap_began_at.store(nanoseconds_now(), std::memory_order_relaxed); }
+std::int64_t lap_began() { return lap_began_at.load(std::memory_order_relaxed); }
 
 std::int64_t resident_bytes() {
   std::FILE* const file = std::fopen("/proc/self/statm", "r");

@@ -99,8 +99,13 @@ role current_role();
 void at_iteration(long number);
 long current_iteration();
 
+// What was marked before a lap began does not count as freed in it: its map was reset.
+void begin_lap();
+std::int64_t lap_began();
+
 // Bytes that operator new has handed out and not got back (counted_heap.cpp); resident memory of the process.
 std::int64_t live_bytes();
+void count_bytes(std::int64_t more);  // of another allocator, to be counted with them
 std::int64_t resident_bytes();
 std::int64_t peak_resident_bytes();
 
@@ -139,7 +144,7 @@ class mortal {
     alive_ = 0;
     role_ledger& mine = ledger::now().mine();
     ++mine.destroyed[index];
-    if (marked_at_ == 0) return;
+    if (marked_at_ == 0 || marked_at_ < lap_began()) return;
     ++mine.destroyed_marked[index];
     ledger::now().freed[index].fetch_add(1, std::memory_order_relaxed);
     mine.death_delay.add(static_cast<double>(nanoseconds_now() - marked_at_) / 1e6);

@@ -95,7 +95,7 @@ class KeyFrameDatabase {
   // Those that share words, and how many.
   std::size_t DetectCandidates(KeyFrame<S>* kf) {
     kf->used();
-    std::vector<std::pair<local<S, KeyFrame<S>>, int>> sharing;
+    owning_vector<S, std::pair<local<S, KeyFrame<S>>, int>> sharing;
     {
       const lock l(mMutex);
       std::vector<std::pair<KeyFrame<S>*, int>> found;
@@ -129,7 +129,7 @@ class KeyFrameDatabase {
     for (auto& keyframes : mvInvertedFile) v.edge("mvInvertedFile", keyframes, on::erase);
   }
 
-  std::vector<typename S::template list<KeyFrame<S>>> mvInvertedFile;
+  owning_vector<S, typename S::template list<KeyFrame<S>>> mvInvertedFile;
 
  private:
   std::mutex mMutex;

@@ -29,7 +29,9 @@ class KeyFrame;
 template <class S, class T>
 using local = typename S::template local<T>;
 template <class S, class T>
-using locals = std::vector<local<S, T>>;
+using owning_vector = std::vector<T, typename S::template allocator<T>>;
+template <class S, class T>
+using locals = owning_vector<S, local<S, T>>;
 
 // Copies up to most elements of a container, under the lock that its caller holds.
 template <class S, class T, class Container>
@@ -79,7 +81,7 @@ class KeyFrame : public mortal<kind::keyframe>,
   // Asks each neighbour whether it is bad; so each has to exist.
   void UpdateBestCovisibles() {
     this->used();
-    std::vector<std::pair<int, local<S, KeyFrame>>> good;
+    owning_vector<S, std::pair<int, local<S, KeyFrame>>> good;
     {
       const lock l(mMutexConnections);
       good.reserve(mConnectedKeyFrameWeights.size());
@@ -263,9 +265,9 @@ class MapPoint : public mortal<kind::point>, public S::template object<MapPoint<
     mObservations.erase(kf);
     if (S::plain(mpRefKF) == kf) mpRefKF = first_observer();
   }
-  [[gnu::noinline]] std::vector<std::pair<local<S, Frame>, std::size_t>> GetObservations() {
+  [[gnu::noinline]] owning_vector<S, std::pair<local<S, Frame>, std::size_t>> GetObservations() {
     this->used();
-    std::vector<std::pair<local<S, Frame>, std::size_t>> all;
+    owning_vector<S, std::pair<local<S, Frame>, std::size_t>> all;
     const lock l(mMutexFeatures);
     all.reserve(mObservations.size());
     for (const auto& entry : mObservations) {

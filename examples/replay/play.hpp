@@ -44,7 +44,7 @@ class positions {
 
 // One thread of the recorded system, at its steps.
 template <class S>
-class actor {
+class actor : public S::owner {
  public:
   actor(world<S>& w, typename S::thread& thread, int id) : w_(w), thread_(thread), id_(id) {}
 

@@ -83,6 +83,7 @@ run_result run(const run_request& request) {
     typename S::thread me(program, "main", role::main);
     for (int lap = 0; lap != how.laps && (how.minutes <= 0 || watch.seconds() < 60 * how.minutes);
          ++lap) {
+      begin_lap();
       const std::uint64_t freed_before[2] = {freed_so_far(0), freed_so_far(1)};
       me.begin();  // what is made now belongs to the program
       auto w = std::make_unique<world<S>>(program, s);

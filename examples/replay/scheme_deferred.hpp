@@ -11,7 +11,7 @@
 
 namespace replay {
 
-struct deferred {
+struct deferred : ordinary_memory {
   static constexpr const char* name = "deferred";
   static constexpr bool keeps_all = false;
 

@@ -11,6 +11,8 @@
 //   reference<T, Record>      an entry of mlpReferences
 //   local<T>                  what a function works on; local_of() makes one from an element, raw() and plain() give the pointer
 //   handle<T>                 whoever makes an object owns it by this until the session is done with it
+//   allocator<T>              of containers outside of objects that hold locals, handles or references
+//   owner                     base class of what is no object, is made by new, and has such containers or members
 //   program                   retire(), collect() at the end of culling, finish() when no thread runs
 //   thread                    what a thread has while it runs: begin() and end() of each iteration, offline() for waits within one
 #pragma once
@@ -18,6 +20,7 @@
 #include <cstddef>
 #include <list>
 #include <map>
+#include <memory>
 #include <set>
 #include <type_traits>
 #include <utility>
@@ -27,8 +30,15 @@
 
 namespace replay {
 
+// What all schemes have in common but those that look through memory.
+struct ordinary_memory {
+  template <class T>
+  using allocator = std::allocator<T>;
+  struct owner {};
+};
+
 // What all schemes without mutators and roots have in common.
-struct no_threads {
+struct no_threads : ordinary_memory {
   template <class Program>
   struct thread_without_duty {
     thread_without_duty(Program&, const char*, role) {}

@@ -191,7 +191,7 @@ class adjustment_work {
 
  private:
   template <class T>
-  using held = std::vector<decltype(S::hold(std::declval<const local<S, T>&>()))>;
+  using held = owning_vector<S, decltype(S::hold(std::declval<const local<S, T>&>()))>;
   held<KeyFrame<S>> keyframes_;
   held<MapPoint<S>> points_;
 };

@@ -19,7 +19,7 @@ struct tracking_members {
   typename S::template frame_vector<MapPoint<S>> mvpLocalMapPoints;
   typename S::template pointer<KeyFrame<S>> mpReferenceKF{};
   // One for each frame, for ever.
-  std::vector<typename S::template reference<KeyFrame<S>, pose_record<S>>> mlpReferences;
+  owning_vector<S, typename S::template reference<KeyFrame<S>, pose_record<S>>> mlpReferences;
 
   template <class Visitor>
   void edges(Visitor& v) {
@@ -29,7 +29,7 @@ struct tracking_members {
 };
 
 template <class S>
-class world {
+class world : public S::owner {
  public:
   using Frame = KeyFrame<S>;
   using Point = MapPoint<S>;
@@ -165,8 +165,8 @@ class world {
   const session& of;
   // Whoever makes an object owns it until it is marked and the session names it no more: the pointers that the recorded
   // program had in queues, frames and functions.
-  std::vector<typename S::template handle<Frame>> keyframes;
-  std::vector<typename S::template handle<Point>> points;
+  owning_vector<S, typename S::template handle<Frame>> keyframes;
+  owning_vector<S, typename S::template handle<Point>> points;
   Map<S> map;
   KeyFrameDatabase<S> database;
   tracking_members<S> tracker;

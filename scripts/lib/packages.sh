@@ -9,7 +9,7 @@ packages_of() {
   case "$1" in
     build) echo cmake=cmake ninja-build=ninja ;;
     demo) echo g++=c++ '?zlib1g-dev' '?libcli11-dev' '?nlohmann-json3-dev' '?libfmt-dev' ;;
-    replay) echo g++=c++ zlib1g-dev=/usr/include/zlib.h libcli11-dev=/usr/include/CLI/CLI.hpp nlohmann-json3-dev=/usr/include/nlohmann/json.hpp libfmt-dev=/usr/include/fmt/format.h '?liburcu-dev=/usr/include/urcu-qsbr.h' ;;
+    replay) echo g++=c++ zlib1g-dev=/usr/include/zlib.h libcli11-dev=/usr/include/CLI/CLI.hpp nlohmann-json3-dev=/usr/include/nlohmann/json.hpp libfmt-dev=/usr/include/fmt/format.h '?liburcu-dev=/usr/include/urcu-qsbr.h' '?libgc-dev=/usr/include/gc/gc.h' ;;
     report) echo python3=python3 '?python3-matplotlib' ;;
     pictures) echo graphviz=dot ;;
     gtest) echo python3=python3 patch=patch libgtest-dev=/usr/include/gtest/gtest.h '?graphviz=dot' ;;
@@ -17,7 +17,7 @@ packages_of() {
     gcc-release)
       packages_of gtest
       packages_of mini_orb
-      echo pkg-config=pkg-config libboost-dev=/usr/include/boost/version.hpp valgrind=valgrind libbenchmark-dev '?relacy-dev' '?python3-matplotlib' '?zlib1g-dev' '?libcli11-dev' '?nlohmann-json3-dev' '?libfmt-dev' '?chromium=chromium' '?liburcu-dev=/usr/include/urcu-qsbr.h'
+      echo pkg-config=pkg-config libboost-dev=/usr/include/boost/version.hpp valgrind=valgrind libbenchmark-dev '?relacy-dev' '?python3-matplotlib' '?zlib1g-dev' '?libcli11-dev' '?nlohmann-json3-dev' '?libfmt-dev' '?chromium=chromium' '?liburcu-dev=/usr/include/urcu-qsbr.h' '?libgc-dev=/usr/include/gc/gc.h'
       ;;
     mini_orb) echo libeigen3-dev=/usr/include/eigen3/Eigen/Core ;;
     gcc-asan | gcc-tsan)
