@@ -348,7 +348,7 @@ class session {
   /// add() with what @p system consists of, and start(): the last line of its constructor.
   template <class System>
   void start(System& system) {
-    access::with_shared_parts(system, [this](auto&... parts) { add(parts...); });
+    access::with_shared_parts(system, [this](auto&... parts) { this->add(parts...); });
     start();
   }
   /// Begins to reclaim, on a thread of its own. Without it a program calls `slamgc::default_domain().collect()` itself.
@@ -380,7 +380,8 @@ class session {
   template <class System>
   waited end(System& system) {
     access::join_threads(system);
-    return access::with_all_parts(system, [this](auto&... parts) { return end_parts(parts...); });
+    return access::with_all_parts(system,
+                                  [this](auto&... parts) { return this->end_parts(parts...); });
   }
   /// Ends: a global bundle adjustment that still runs is asked to stop, and waited for, if adjusting() began it; each part forgets what
   /// it refers to, maps are cleared, and what they held is reclaimed. No other thread uses the system any more, and no frame
