@@ -376,7 +376,8 @@ class session {
     return result;
   }
   /// Ends @p system, in its destructor: asks its threads to finish, with Shutdown() and Viewer::RequestFinish(), joins those that
-  /// can be joined, and ends the parts. Threads that do not finish are waited for without an end. Returns what end(parts...) does.
+  /// can be joined, and ends the parts. Threads that do not finish are waited for without an end. Not on one of these threads: none can join
+  /// itself. Returns what end(parts...) does.
   template <class System>
   waited end(System& system) {
     access::join_threads(system);
@@ -416,6 +417,7 @@ class session {
   mutator tracking_{"Tracking", {false, true, true}};
   std::vector<std::shared_ptr<void>> roots_;   // orb_slam_roots
   std::vector<std::function<void()>> forget_;  // what their raw members refer to
+  int frames_ = 0;                             // nested ones: of one thread at a time
   std::unique_ptr<background_reclaimer> reclaimer_;
   std::mutex stopping_;
 };
@@ -425,9 +427,10 @@ class session {
 class frame {
  public:
   /// Goes online.
-  explicit frame(session& of) : session_(of), online_(of.tracking_) {}
-  /// Empties what the tracker need not count, and goes offline.
+  explicit frame(session& of) : session_(of), online_(of.tracking_) { ++of.frames_; }
+  /// Empties what the tracker need not count, and goes offline, unless it is within another frame.
   ~frame() {
+    if (--session_.frames_ != 0) return;
     for (const auto& forget : session_.forget_) forget();
   }
   frame(const frame&) = delete;

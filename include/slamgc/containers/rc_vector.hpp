@@ -238,7 +238,18 @@ class rc_vector
   void add_from(size_type index, size_type n) noexcept {
     for (size_type i = index; i != index + n; ++i) detail::add_reference(std_[i]);
   }
-  /// Most of a frame's matches are null before and after.
+  /// Calls @p f with each of the first @p n places that is to change, and with what comes there.
+  template <class F>
+  void for_each_change(size_type n, const std_vector& content, F f) noexcept {
+    T** to = std_.data();
+    T* const* from = content.data();
+    for (T** const end = to + n; to != end; ++to, ++from) {
+      if (*to != *from)
+        f(*to, *from);
+      else  // as most of a frame's matches are: null before and after
+        for (; end - to > 4 && four_equal(to + 1, from + 1); to += 4) from += 4;
+    }
+  }
   static bool four_equal(T* const* a, T* const* b) noexcept {
     return a[0] == b[0] && a[1] == b[1] && a[2] == b[2] && a[3] == b[3];
   }
@@ -248,27 +259,13 @@ class rc_vector
     if (&content == &std_) return;
     std_.reserve(content.size());
     const size_type common = std_.size() < content.size() ? std_.size() : content.size();
-    // What waits for a collector anyway may be uncounted for a moment: one pass does.
-    constexpr bool at_once = detail::is_deferred<T>::value;
-    if (!at_once)
-      for (size_type i = 0; i != common; ++i)
-        if (std_[i] != content[i]) detail::add_reference(content[i]);
+    for_each_change(common, content, [](T*&, T* comes) { detail::add_reference(comes); });
     std_.insert(std_.end(), content.begin() + static_cast<std::ptrdiff_t>(common), content.end());
     add_from(common, content.size() - common);
     const detail::counted_scope<T> until_final;
-    T** to = std_.data();
-    T* const* from = content.data();
-    for (T** const end = to + common; to != end; ++to, ++from) {
-      T* const goes = *to;
-      T* const comes = *from;
-      if (goes == comes) {
-        for (; end - to > 4 && four_equal(to + 1, from + 1); to += 4) from += 4;
-        continue;
-      }
-      if (at_once) detail::add_reference(comes);
-      *to = comes;
-      detail::drop_reference(goes);
-    }
+    for_each_change(common, content, [](T*& place, T* comes) {
+      detail::drop_reference(std::exchange(place, comes));
+    });
     erase(std_.begin() + static_cast<std::ptrdiff_t>(content.size()), std_.end());
   }
 };

@@ -233,7 +233,9 @@ class orb_slam_members {
   static void join(std::thread& t) {
     if (t.joinable()) t.join();
   }
-  static void join(std::thread* t) { join(*t); }
+  static void join(std::thread* t) {
+    if (t != nullptr) join(*t);
+  }
 
   // ---- members
 
@@ -384,14 +386,19 @@ class orb_slam_members {
                "mInitialFrame.mpLastKeyFrame");
     member(v, "mpReferenceKF", t.mpReferenceKF);
     member(v, "mpLastKeyFrame", t.mpLastKeyFrame);
-    scratch(
-        v, "mvpLocalKeyFrames", t,
-        [](auto& o) -> decltype((o.mvpLocalKeyFrames)) { return o.mvpLocalKeyFrames; },
-        on_retire::erase);
-    scratch(
-        v, "mvpLocalMapPoints", t,
-        [](auto& o) -> decltype((o.mvpLocalMapPoints)) { return o.mvpLocalMapPoints; },
-        on_retire::erase);
+    if constexpr (has<Tracking>(an_atlas)) {
+      scratch(
+          v, "mvpLocalKeyFrames", t,
+          [](auto& o) -> decltype((o.mvpLocalKeyFrames)) { return o.mvpLocalKeyFrames; },
+          on_retire::erase);
+      scratch(
+          v, "mvpLocalMapPoints", t,
+          [](auto& o) -> decltype((o.mvpLocalMapPoints)) { return o.mvpLocalMapPoints; },
+          on_retire::erase);
+    } else {  // ORB-SLAM2 may go on with those of the last frame
+      member(v, "mvpLocalKeyFrames", t.mvpLocalKeyFrames, on_retire::erase);
+      member(v, "mvpLocalMapPoints", t.mvpLocalMapPoints, on_retire::erase);
+    }
     member(v, "mlpTemporalPoints", t.mlpTemporalPoints);
   }
   template <class Visitor, class LocalMapping>

@@ -186,6 +186,7 @@ class Tracking {
   std::list<reference> mlpReferences;
   slamgc::rc_vector<KeyFrame> mvpLocalKeyFrames;
   std::vector<MapPoint*> mvpLocalMapPoints;  // the end of a frame empties it
+  Atlas* mpAtlas = nullptr;
 
  private:
   slamgc::rc_slot<KeyFrame> mpReferenceKF, mpLastKeyFrame;
@@ -552,6 +553,8 @@ TEST_F(OrbSlam3Adapter, TheEndOfAFrameEmptiesWhatTheTrackerDoesNotCount) {
     map->AddMapPoint(point);
     tracker.mvpLocalMapPoints.push_back(point);
     tracker.mvpLocalKeyFrames.push_back(Good(0));
+    { const frame inner(slamgc_); }
+    EXPECT_EQ(tracker.mvpLocalMapPoints.size(), 1u);  // not yet over
   }
   EXPECT_TRUE(tracker.mvpLocalMapPoints.empty());
   EXPECT_EQ(tracker.mvpLocalKeyFrames.size(), 1u);  // counted: stays
