@@ -6281,8 +6281,8 @@ class counted_container : private counted_member<Std> {
     other.move_all();
     std_.swap(other.std_);
   }
-  /// Removes all references, a sequence's last one first, and keeps the capacity. One by one, but for vectors, since moving the whole away would copy a
-  /// comparator, which may throw.
+  /// Removes all references, a sequence's last one first, and keeps the capacity. One by one, since moving the whole away would copy
+  /// a comparator, which may throw. A vector's places become null first: pop_back() would write its end for each.
   void clear_content() noexcept {
     if (std_.empty()) return;
     const counted_scope<T> until_final;

@@ -386,7 +386,8 @@ class session {
   }
   /// Ends: a global bundle adjustment that still runs is asked to stop, and waited for, if adjusting() began it; each part forgets what
   /// it refers to, maps are cleared, and what they held is reclaimed. No other thread uses the system any more, and no frame
-  /// is open. Returns waited::done if nothing is left that can be reclaimed: what the program pins stays, see stats().
+  /// is open. For a program that has other parts than ORB-SLAM3's System: at least two. Returns waited::done if nothing is left that can be
+  /// reclaimed: what the program pins stays, see stats().
   template <class First, class Second, class... Parts>
   waited end(First& first, Second& second, Parts&... parts) {
     return end_parts(first, second, parts...);
