@@ -491,7 +491,15 @@ struct state_word {
   /// Whether a collector holds the object.
   [[nodiscard]] constexpr bool is_queued() const noexcept { return (bits & queued_flag) != 0; }
   /// Whether the count overflowed: it is not exact any more and the object stays for ever.
-  [[nodiscard]] constexpr bool is_saturated() const noexcept { return count() >= sticky_count; }
+  [[nodiscard]] constexpr bool is_saturated() const noexcept {
+    return (bits & sticky_count * count_unit) != 0;  // the count's highest bit
+  }
+  /// Whether there are two references or more, and the count is exact: `2 <= count() < sticky_count`.
+  [[nodiscard]] constexpr bool is_shared() const noexcept {
+    // One comparison of the word's lower half, as each removal of a reference asks this.
+    constexpr std::uint32_t two = 2 * count_unit;
+    return static_cast<std::uint32_t>(bits) - two < std::uint32_t{sticky_count * count_unit} - two;
+  }
   /// Whether no reference was added, removed or moved between the two snapshots (flags may differ).
   [[nodiscard]] constexpr bool same_references(state_word other) const noexcept {
     return ((bits ^ other.bits) & ~(retired_flag | queued_flag)) == 0;
@@ -677,8 +685,7 @@ struct transitions {
   /// Returns the word before.
   static state_word decrement(storage& s) noexcept {
     const state_word before{Policy::subtract(s, state_word::count_unit)};
-    // One comparison for all rare cases, the caller's included: 0 and 1 wrap to huge numbers.
-    if (__builtin_expect(before.count() - 2 >= state_word::sticky_count - 2, false)) {
+    if (__builtin_expect(!before.is_shared(), false)) {  // all rare cases, the caller's included
       if (before.count() == 0)
         Policy::add(s, state_word::count_unit);
       else if (before.count() != 1)
@@ -5305,7 +5312,7 @@ struct deferred : deferred_base {
     std::uint64_t now = policy::load(state);
     for (;;) {
       const state_word w{now};
-      if (w.count() > 1 && !w.is_saturated()) {  // the most frequent case, and short
+      if (w.is_shared()) {  // the most frequent case, and short
         if (policy::compare_exchange(state, now, now - state_word::count_unit)) return;
         continue;
       }
@@ -7327,17 +7334,19 @@ class rc_vector
   /// Calls @p f with each of the first @p n places that is to change, and with what comes there.
   template <class F>
   void for_each_change(size_type n, const std_vector& content, F f) noexcept {
-    T** to = std_.data();
-    T* const* from = content.data();
-    for (T** const end = to + n; to != end; ++to, ++from) {
-      if (*to != *from)
-        f(*to, *from);
-      else  // as most of a frame's matches are: null before and after
-        for (; end - to > 4 && four_equal(to + 1, from + 1); to += 4) from += 4;
+    constexpr size_type block = 32;
+    T** const to = std_.data();
+    T* const* const from = content.data();
+    for (size_type i = 0; i != n;) {
+      const size_type end = n - i < block ? n : i + block;
+      // As most of a local map from one frame to the next.
+      if (std::equal(to + i, to + end, from + i)) {
+        i = end;
+        continue;
+      }
+      for (; i != end; ++i)
+        if (to[i] != from[i]) f(to[i], from[i]);
     }
-  }
-  static bool four_equal(T* const* a, T* const* b) noexcept {
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2] && a[3] == b[3];
   }
   /// In place where the capacity suffices: no allocation, and no count for what stays. What comes is
   /// counted before anything is uncounted: the same object may go here and come there.
@@ -7345,13 +7354,22 @@ class rc_vector
     if (&content == &std_) return;
     std_.reserve(content.size());
     const size_type common = std_.size() < content.size() ? std_.size() : content.size();
-    for_each_change(common, content, [](T*&, T* comes) { detail::add_reference(comes); });
+    // What goes waits here, so that one pass finds all changes; of more than these a second one finds the rest.
+    constexpr size_type room = 256;
+    T* gone[room];
+    size_type n = 0;
+    for_each_change(common, content, [&](T*& place, T* comes) {
+      detail::add_reference(comes);
+      if (n != room) gone[n++] = std::exchange(place, comes);
+    });
     std_.insert(std_.end(), content.begin() + static_cast<std::ptrdiff_t>(common), content.end());
     add_from(common, content.size() - common);
     const detail::counted_scope<T> until_final;
-    for_each_change(common, content, [](T*& place, T* comes) {
-      detail::drop_reference(std::exchange(place, comes));
-    });
+    for (size_type i = 0; i != n; ++i) detail::drop_reference(gone[i]);
+    if (n == room)
+      for_each_change(common, content, [](T*& place, T* comes) {
+        detail::drop_reference(std::exchange(place, comes));
+      });
     erase(std_.begin() + static_cast<std::ptrdiff_t>(content.size()), std_.end());
   }
 };

@@ -51,7 +51,15 @@ struct state_word {
   /// Whether a collector holds the object.
   [[nodiscard]] constexpr bool is_queued() const noexcept { return (bits & queued_flag) != 0; }
   /// Whether the count overflowed: it is not exact any more and the object stays for ever.
-  [[nodiscard]] constexpr bool is_saturated() const noexcept { return count() >= sticky_count; }
+  [[nodiscard]] constexpr bool is_saturated() const noexcept {
+    return (bits & sticky_count * count_unit) != 0;  // the count's highest bit
+  }
+  /// Whether there are two references or more, and the count is exact: `2 <= count() < sticky_count`.
+  [[nodiscard]] constexpr bool is_shared() const noexcept {
+    // One comparison of the word's lower half, as each removal of a reference asks this.
+    constexpr std::uint32_t two = 2 * count_unit;
+    return static_cast<std::uint32_t>(bits) - two < std::uint32_t{sticky_count * count_unit} - two;
+  }
   /// Whether no reference was added, removed or moved between the two snapshots (flags may differ).
   [[nodiscard]] constexpr bool same_references(state_word other) const noexcept {
     return ((bits ^ other.bits) & ~(retired_flag | queued_flag)) == 0;
@@ -237,8 +245,7 @@ struct transitions {
   /// Returns the word before.
   static state_word decrement(storage& s) noexcept {
     const state_word before{Policy::subtract(s, state_word::count_unit)};
-    // One comparison for all rare cases, the caller's included: 0 and 1 wrap to huge numbers.
-    if (__builtin_expect(before.count() - 2 >= state_word::sticky_count - 2, false)) {
+    if (__builtin_expect(!before.is_shared(), false)) {  // all rare cases, the caller's included
       if (before.count() == 0)
         Policy::add(s, state_word::count_unit);
       else if (before.count() != 1)

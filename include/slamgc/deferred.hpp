@@ -72,7 +72,7 @@ struct deferred : deferred_base {
     std::uint64_t now = policy::load(state);
     for (;;) {
       const state_word w{now};
-      if (w.count() > 1 && !w.is_saturated()) {  // the most frequent case, and short
+      if (w.is_shared()) {  // the most frequent case, and short
         if (policy::compare_exchange(state, now, now - state_word::count_unit)) return;
         continue;
       }

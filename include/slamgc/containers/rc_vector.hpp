@@ -2,6 +2,7 @@
 /// A vector of counted references.
 #pragma once
 
+#include <algorithm>
 #include <initializer_list>
 #include <utility>
 #include <vector>
@@ -241,17 +242,19 @@ class rc_vector
   /// Calls @p f with each of the first @p n places that is to change, and with what comes there.
   template <class F>
   void for_each_change(size_type n, const std_vector& content, F f) noexcept {
-    T** to = std_.data();
-    T* const* from = content.data();
-    for (T** const end = to + n; to != end; ++to, ++from) {
-      if (*to != *from)
-        f(*to, *from);
-      else  // as most of a frame's matches are: null before and after
-        for (; end - to > 4 && four_equal(to + 1, from + 1); to += 4) from += 4;
+    constexpr size_type block = 32;
+    T** const to = std_.data();
+    T* const* const from = content.data();
+    for (size_type i = 0; i != n;) {
+      const size_type end = n - i < block ? n : i + block;
+      // As most of a local map from one frame to the next.
+      if (std::equal(to + i, to + end, from + i)) {
+        i = end;
+        continue;
+      }
+      for (; i != end; ++i)
+        if (to[i] != from[i]) f(to[i], from[i]);
     }
-  }
-  static bool four_equal(T* const* a, T* const* b) noexcept {
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2] && a[3] == b[3];
   }
   /// In place where the capacity suffices: no allocation, and no count for what stays. What comes is
   /// counted before anything is uncounted: the same object may go here and come there.
@@ -259,13 +262,22 @@ class rc_vector
     if (&content == &std_) return;
     std_.reserve(content.size());
     const size_type common = std_.size() < content.size() ? std_.size() : content.size();
-    for_each_change(common, content, [](T*&, T* comes) { detail::add_reference(comes); });
+    // What goes waits here, so that one pass finds all changes; of more than these a second one finds the rest.
+    constexpr size_type room = 256;
+    T* gone[room];
+    size_type n = 0;
+    for_each_change(common, content, [&](T*& place, T* comes) {
+      detail::add_reference(comes);
+      if (n != room) gone[n++] = std::exchange(place, comes);
+    });
     std_.insert(std_.end(), content.begin() + static_cast<std::ptrdiff_t>(common), content.end());
     add_from(common, content.size() - common);
     const detail::counted_scope<T> until_final;
-    for_each_change(common, content, [](T*& place, T* comes) {
-      detail::drop_reference(std::exchange(place, comes));
-    });
+    for (size_type i = 0; i != n; ++i) detail::drop_reference(gone[i]);
+    if (n == room)
+      for_each_change(common, content, [](T*& place, T* comes) {
+        detail::drop_reference(std::exchange(place, comes));
+      });
     erase(std_.begin() + static_cast<std::ptrdiff_t>(content.size()), std_.end());
   }
 };

@@ -170,28 +170,50 @@ struct late_node
     : slamgc::rc_object<late_node, slamgc::fetch_add_counter, slamgc::reclaim_deferred> {};
 
 // On a thread that is no mutator its references alone keep objects: not even for a moment may one be missing.
+// 600: more places change than wait for their turn.
 TEST(ContainerModel, AVectorOfDeferredObjectsIsAssigned) {
-  slamgc::rc_vector<late_node> counted;
-  std::vector<late_node*> all;
-  for (int i = 0; i != 5; ++i) all.push_back(new late_node);
-  counted = all;
   const auto waiting = [] {
     std::uint64_t all_types = 0;
     for (const auto& type : slamgc::default_domain().stats().types) all_types += type.backlog;
     return all_types;
   };
-  const std::uint64_t before = waiting();
-  std::mt19937 random(1);
-  for (int step = 0; step != 200; ++step) {
-    std::vector<late_node*> next = all;
-    std::shuffle(next.begin(), next.end(), random);
-    next.resize(5 + static_cast<std::size_t>(step % 9), nullptr);
-    counted = next;
-    ASSERT_EQ(counted.raw(), next);
-    for (late_node* p : all) ASSERT_EQ(p->use_count(), 1u);
+  for (const std::size_t size : {5, 255, 256, 257, 600}) {
+    SCOPED_TRACE(size);
+    slamgc::rc_vector<late_node> counted;
+    std::vector<late_node*> all;
+    for (std::size_t i = 0; i != size; ++i) all.push_back(new late_node);
+    counted = all;
+    const std::uint64_t before = waiting();
+    std::mt19937 random(1);
+    for (std::size_t step = 0; step != 100; ++step) {
+      std::vector<late_node*> next = all;
+      std::shuffle(next.begin(), next.end(), random);
+      next.resize(size + step % 9, nullptr);
+      counted = next;
+      ASSERT_EQ(counted.raw(), next);
+      for (late_node* p : all) ASSERT_EQ(p->use_count(), 1u);
+    }
+    EXPECT_EQ(waiting(), before);  // none was queued at zero
+    counted.clear();
+    EXPECT_EQ(slamgc::default_domain().drain(), slamgc::waited::done);
   }
-  EXPECT_EQ(waiting(), before);  // none was queued at zero
-  counted.clear();
+}
+
+TEST(ContainerModel, AVectorIsAssignedWhereOnePlaceAloneChanges) {
+  for (const std::size_t size : {1, 31, 32, 33, 64, 100}) {
+    SCOPED_TRACE(size);
+    const slamgc::intrusive_rc<late_node> old = slamgc::make_rc<late_node>(),
+                                          other = slamgc::make_rc<late_node>();
+    slamgc::rc_vector<late_node> counted(size, old.get());
+    for (std::size_t i = 0; i != size; ++i) {
+      std::vector<late_node*> next(size, old.get());
+      next[i] = other.get();
+      counted = next;
+      ASSERT_EQ(counted.raw(), next);
+      ASSERT_EQ(old->use_count(), size);
+      ASSERT_EQ(other->use_count(), 2u);
+    }
+  }
   EXPECT_EQ(slamgc::default_domain().drain(), slamgc::waited::done);
 }
 
