@@ -5310,27 +5310,9 @@ struct deferred : deferred_base {
     using policy = policy_of<T>;
     auto& state = access::header_of(*object).state;
     std::uint64_t now = policy::load(state);
-    for (;;) {
-      const state_word w{now};
-      if (w.is_shared()) {  // the most frequent case, and short
-        if (policy::compare_exchange(state, now, now - state_word::count_unit)) return;
-        continue;
-      }
-      SLAMGC_ASSERT(w.count() != 0,
-                    (misuse_of(object, "removes a reference that was never counted")));
-      if (w.count() == 0 || w.is_saturated()) return;
-      // Not afterwards: it may be gone then.
-      if (w.count() == 1 && watch() != nullptr) watch()->falls_to_zero(object, type_name<T>::get());
-      // The fall to zero and `queued` are one change. Between two, a collector could bring the object through
-      // the table and free it, and this thread, if it is no mutator, would touch it afterwards.
-      const bool enters = w.count() == 1 && !w.is_queued() && (AtZero || w.is_retired());
-      const std::uint64_t then =
-          now - state_word::count_unit + (enters ? state_word::queued_flag : 0);
-      if (policy::compare_exchange(state, now, then)) {
-        if (enters) zero_count_table<T>::of(*object)->push(object);
-        return;
-      }
-    }
+    while (state_word{now}.is_shared())  // the most frequent case, and short
+      if (policy::compare_exchange(state, now, now - state_word::count_unit)) return;
+    release_last(object, now);
   }
 
   /// The table of the object's type in the current domain. Throws std::bad_alloc, the first time.
@@ -5354,6 +5336,31 @@ struct deferred : deferred_base {
   struct scope {
     scope() noexcept {}  ///< Does nothing.
   };
+
+ private:
+  /// Removes what may be the last reference. @p now was the object's word.
+  template <class T>
+  __attribute__((noinline)) static void release_last(T* object, std::uint64_t now) noexcept {
+    using policy = policy_of<T>;
+    auto& state = access::header_of(*object).state;
+    for (;;) {
+      const state_word w{now};
+      SLAMGC_ASSERT(w.count() != 0,
+                    (misuse_of(object, "removes a reference that was never counted")));
+      if (w.count() == 0 || w.is_saturated()) return;
+      // Not afterwards: it may be gone then.
+      if (w.count() == 1 && watch() != nullptr) watch()->falls_to_zero(object, type_name<T>::get());
+      // The fall to zero and `queued` are one change. Between two, a collector could bring the object through
+      // the table and free it, and this thread, if it is no mutator, would touch it afterwards.
+      const bool enters = w.count() == 1 && !w.is_queued() && (AtZero || w.is_retired());
+      const std::uint64_t then =
+          now - state_word::count_unit + (enters ? state_word::queued_flag : 0);
+      if (policy::compare_exchange(state, now, then)) {
+        if (enters) zero_count_table<T>::of(*object)->push(object);
+        return;
+      }
+    }
+  }
 };
 
 }  // namespace detail
