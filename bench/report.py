@@ -49,6 +49,14 @@ def median_of(values):
     return statistics.median(values), values[low], values[high]
 
 
+def verdict(median, low, high, limit):
+    """Of a figure with a confidence interval."""
+    return "met" if high <= limit else "**missed**" if low > limit else "open"
+
+
+OPEN = "\"open\": the interval includes the bar, so this run cannot tell"
+
+
 def with_interval(median, low, high):
     return "{:.3f} ({:.3f} to {:.3f})".format(median, low, high)
 

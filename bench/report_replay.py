@@ -10,7 +10,7 @@ import re
 import sys
 from pathlib import Path
 
-from report import Results, machine_table, main, median_of, pyplot, replace_between, table, with_interval
+from report import OPEN, Results, machine_table, main, median_of, pyplot, replace_between, table, verdict, with_interval
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.append(str(ROOT / "examples/replay"))
@@ -73,7 +73,7 @@ def bars(results):
     rows = []
 
     def bar(name, measured, limit, met):
-        rows.append([name, measured, limit, "" if met is None else "met" if met else "**missed**"])
+        rows.append([name, measured, limit, met if isinstance(met, str) else "" if met is None else "met" if met else "**missed**"])
 
     everywhere = [(n, shown(r)["deferred"]) for n, r in results.in_order.items()]
     failed = [n for n, r in everywhere if not all_freed(r)]
@@ -93,14 +93,15 @@ def bars(results):
     for name, ratio in results.instructions:
         limit = "1.01" if name.startswith(("tracking", "local mapping")) else ""
         bar("instructions of `deferred` / of `leak`: " + name, ratio, limit, float(ratio) <= 1.01 if limit else None)
-    for name, rs in (("the embedded session", results.schemes), *results.threads.items()):
+    sessions = {"the embedded session": results.schemes, **results.threads}
+    for name, of_name in (("all sessions", sessions.values()), *((n, [rs]) for n, rs in sessions.items())):
         for who, text in THREADS.items():
             for what in ("median", "p99"):
-                ratios = cpu_ratios(rs, "deferred", who, what)
+                ratios = [x for rs in of_name for x in cpu_ratios(rs, "deferred", who, what)]
                 if not ratios:
                     continue
                 r = median_of(ratios)
-                bar("CPU time, {}: {}, {}".format(name, text, what), with_interval(*r), "1.01", r[0] <= 1.01 if len(ratios) > 2 else None)
+                bar("CPU time, {}: {}, {}".format(name, text, what), with_interval(*r), "1.01", verdict(*r, 1.01) if len(ratios) > 2 else None)
     yield from table(["bar", "measured", "at most", ""], rows)
 
 
@@ -109,7 +110,7 @@ def report(results, drawn):
     yield "### Bars of the replay"
     yield ""
     yield ("`deferred` compared with `leak` of the same repetition; the median, and in parentheses its 95 % confidence interval "
-           "(repetitions: {}, schemes in turn; of fewer than three nothing is concluded). Instructions are counted by callgrind, with one thread.".format(len(of_scheme(results.schemes, "leak"))))
+           "(repetitions: {}, schemes in turn; of fewer than three nothing is concluded; {}). Instructions are counted by callgrind, with one thread.".format(len(of_scheme(results.schemes, "leak")), OPEN))
     yield ""
     yield from bars(results)
     yield "### The embedded session"

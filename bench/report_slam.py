@@ -11,11 +11,13 @@ import re
 import statistics
 from pathlib import Path
 
-from report import Results, machine_table, main, median_of, number, pyplot, table, with_interval
+from report import OPEN, Results, machine_table, main, median_of, number, pyplot, table, verdict, with_interval
 
 PLOT = "performance-slam.svg"
 MODES = ("one-thread", "threads")
-WHAT = {"tracking_us": "tracking, a frame", "local_mapping_us": "local mapping, a keyframe"}
+WHAT = {"tracking_us": "tracking, a frame", "local_mapping_us": "local mapping, a keyframe",
+        "tracking_processor_us": "processor time of tracking, a frame",
+        "local_mapping_processor_us": "processor time of local mapping, a keyframe"}
 
 
 class SlamResults(Results):
@@ -53,24 +55,20 @@ def report(results, drawn):
     yield "### Bars of mini_orb"
     yield ""
     yield ("With slamgc / without. Instructions are exact (callgrind, one thread, collectors apart). Times: the ratio of the two runs of a "
-           "round, the median over {} rounds, and its 95 % confidence interval; with threads, the reclaimer shares "
-           "the processors.".format(len(results.runs["plain", "threads"])))
+           "round, the median over {} rounds, and its 95 % confidence interval ({}). With threads, there are more of them than processors here, and with slamgc the "
+           "reclaimer is one more: the time that a thread waits for a processor is in its times, and not in its processor time.".format(len(results.runs["plain", "threads"]), OPEN))
     yield ""
     rows = []
 
-    def bar(name, ratio, limit, text=None):
-        rows.append([name, text or "{:.4f}".format(ratio), "" if limit is None else str(limit),
-                     "" if limit is None else "met" if ratio <= limit else "**missed**"])
-
     for what, name in (("tracking", "instructions, " + WHAT["tracking_us"]),
                        ("local_mapping", "instructions, " + WHAT["local_mapping_us"])):
-        bar(name, results.instructions["slamgc", what] / results.instructions["plain", what], 1.01)
+        ratio = results.instructions["slamgc", what] / results.instructions["plain", what]
+        rows.append([name, "{:.4f}".format(ratio), "1.01", "met" if ratio <= 1.01 else "**missed**"])
     for mode in MODES:
         for what, name in WHAT.items():
             for of, which in ((statistics.median, "median"), (p99, "99th percentile")):
                 r = results.ratio(mode, what, of)
-                bar("{}, {}, {}".format(name, which, mode), r[0],
-                    1.01 if of is statistics.median else None, with_interval(*r))
+                rows.append(["{}, {}, {}".format(name, which, mode), with_interval(*r), "1.01", verdict(*r, 1.01)])
     yield from table(["bar", "measured", "at most", ""], rows)
     yield "### Times"
     yield ""

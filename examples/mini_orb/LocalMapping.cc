@@ -31,7 +31,7 @@ void LocalMapping::Run() {
 bool LocalMapping::RunOnce() {
   mbAcceptKeyFrames = false;
   if (CheckNewKeyFrames()) {
-    const Stopwatch time(vdLMTotal_us);
+    const Stopwatch time(mLMTimes);
     ProcessNewKeyFrame();
     MapPointCulling();
     CreateNewMapPoints();

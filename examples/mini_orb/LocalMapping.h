@@ -46,7 +46,7 @@ class LocalMapping {
   Tracking* mpTracker = nullptr;
   LoopClosing* mpLoopCloser = nullptr;
   Racy<int> mnCulled = 0;
-  std::vector<double> vdLMTotal_us;  // for each keyframe; of this thread
+  Times mLMTimes;  // for each keyframe; of this thread
 
  private:
   bool CheckNewKeyFrames();

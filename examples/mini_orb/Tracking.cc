@@ -30,7 +30,7 @@ Tracking::Tracking(System* pSys, FrameDrawer* pFrameDrawer, Atlas* pAtlas, KeyFr
     : mpSystem(pSys), mpFrameDrawer(pFrameDrawer), mpAtlas(pAtlas), mpKeyFrameDB(pKFDB) {}
 
 void Tracking::GrabImageRGBD(const Image& image) {
-  const Stopwatch time(vdTrackTotal_us);
+  const Stopwatch time(mTrackTimes);
   mCurrentFrame = Frame(image);
   Track();
 }

@@ -43,7 +43,7 @@ class Tracking {
   std::list<KeyFrame*> mlpReferences;
   std::list<double> mlFrameTimes;
   std::list<bool> mlbLost;
-  std::vector<double> vdTrackTotal_us;
+  Times mTrackTimes;
 
  private:
   void Track();

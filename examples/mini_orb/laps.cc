@@ -59,9 +59,15 @@ int main(int argc, char** argv) {
   }
   session.system->Shutdown();
   std::printf("],\n");
-  print("tracking_us", session.system->mpTracker->vdTrackTotal_us);
+  const Times &tracking = session.system->mpTracker->mTrackTimes,
+              &mapping = session.system->mpLocalMapper->mLMTimes;
+  print("tracking_us", tracking.elapsed_us);
   std::printf(",\n");
-  print("local_mapping_us", session.system->mpLocalMapper->vdLMTotal_us);
+  print("local_mapping_us", mapping.elapsed_us);
+  std::printf(",\n");
+  print("tracking_processor_us", tracking.processor_us);
+  std::printf(",\n");
+  print("local_mapping_processor_us", mapping.processor_us);
   std::printf(",\n\"culled\": %d, \"loops\": %d}\n", session.system->GetSummary().culled,
               session.system->GetSummary().loops);
 }
