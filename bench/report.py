@@ -45,7 +45,7 @@ def median_of(values):
     values = sorted(values)
     n = len(values)
     half = 0.98 * math.sqrt(n)
-    low, high = max(0, round(n / 2 - half)), min(n - 1, round(n / 2 + half))
+    low, high = max(0, round(n / 2 - half) - 1), min(n - 1, round(n / 2 + half))
     return statistics.median(values), values[low], values[high]
 
 

@@ -101,7 +101,7 @@ def bars(results):
                 if not ratios:
                     continue
                 r = median_of(ratios)
-                bar("CPU time, {}: {}, {}".format(name, text, what), with_interval(*r), "1.01", verdict(*r, 1.01) if len(ratios) > 2 else None)
+                bar("CPU time, {}: {}, {}".format(name, text, what), with_interval(*r), "1.01", verdict(*r, 1.01) if len(ratios) >= 6 else None)
     yield from table(["bar", "measured", "at most", ""], rows)
 
 
@@ -110,7 +110,7 @@ def report(results, drawn):
     yield "### Bars of the replay"
     yield ""
     yield ("`deferred` compared with `leak` of the same repetition; the median, and in parentheses its 95 % confidence interval "
-           "(repetitions: {}, schemes in turn; of fewer than three nothing is concluded; {}). Instructions are counted by callgrind, with one thread.".format(len(of_scheme(results.schemes, "leak")), OPEN))
+           "(repetitions: {}, schemes in turn; of fewer than six nothing is concluded; {}). Instructions are counted by callgrind, with one thread.".format(len(of_scheme(results.schemes, "leak")), OPEN))
     yield ""
     yield from bars(results)
     yield "### The embedded session"

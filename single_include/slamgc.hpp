@@ -7121,7 +7121,8 @@ inline namespace SLAMGC_FLAVOUR {
 ///
 /// Each operation costs what it costs in the standard vector, plus one change of a count per
 /// reference that comes or goes; swap and move count each element. Strong guarantee: if an
-/// allocation throws, nothing has changed.
+/// allocation throws, nothing has changed. What is assigned may not be a member of an object that this vector alone keeps, unless
+/// the thread is a mutator of the object's domain.
 ///
 /// Thread-safety: that of the standard vector. Moreover several threads may assign elements, `v[i] = p`,
 /// and read them by `v.load(i)` at once, without a lock, while none changes the vector as a whole.
@@ -7360,7 +7361,8 @@ class rc_vector
   void assign_pointers(const std_vector& content) {
     if (&content == &std_) return;
     std_.reserve(content.size());
-    const size_type common = std_.size() < content.size() ? std_.size() : content.size();
+    // Not read again once references go: unless the thread is a mutator, that may be the end of who owns the content.
+    const size_type size = content.size(), common = std_.size() < size ? std_.size() : size;
     // What goes waits here, so that one pass finds all changes; of more than these a second one finds the rest.
     constexpr size_type room = 256;
     T* gone[room];
@@ -7370,14 +7372,14 @@ class rc_vector
       if (n != room) gone[n++] = std::exchange(place, comes);
     });
     std_.insert(std_.end(), content.begin() + static_cast<std::ptrdiff_t>(common), content.end());
-    add_from(common, content.size() - common);
+    add_from(common, size - common);
     const detail::counted_scope<T> until_final;
     for (size_type i = 0; i != n; ++i) detail::drop_reference(gone[i]);
     if (n == room)
       for_each_change(common, content, [](T*& place, T* comes) {
         detail::drop_reference(std::exchange(place, comes));
       });
-    erase(std_.begin() + static_cast<std::ptrdiff_t>(content.size()), std_.end());
+    erase(std_.begin() + static_cast<std::ptrdiff_t>(size), std_.end());
   }
 };
 

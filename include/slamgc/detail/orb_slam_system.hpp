@@ -54,7 +54,7 @@ struct orb_slam_members::whole_system {
       return l.mMutexGBA;
     };
     if constexpr (std::is_invocable<decltype(mutex), Part&>::value) {
-      const lock adjustment(mutex(p));
+      const std::lock_guard<std::mutex> adjustment(mutex(p));
       p.mbStopGBA = true;
     }
     (void)mutex, (void)p;
